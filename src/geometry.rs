@@ -1,0 +1,138 @@
+//! Points, rigid motions and the rotation that fits two sets of directions best.
+//!
+//! Metres, right-handed, z up. A transform `a_from_b` takes a point `p_in_b` to `p_in_a`.
+//! The one formula: `argmax_R tr(Rᵀ C)` over rotations (Kabsch 1976), of which the horizontal
+//! (yaw-only) form has the closed solution `atan2`.
+//!
+//! Knows nothing of people, joints or time.
+
+use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
+
+/// A place `[m]`.
+pub type Point = Point3<f64>;
+/// A displacement `[m]`, or a direction.
+pub type Vector = Vector3<f64>;
+/// A rigid motion, named `a_from_b`.
+pub type Isometry = Isometry3<f64>;
+
+/// Whether every coordinate is finite.
+pub fn is_finite(point: &Point) -> bool {
+    point.coords.iter().all(|c| c.is_finite())
+}
+
+/// `vector` at unit length, or `fallback` where it is shorter than 1e-12 m and has no direction.
+pub fn direction_or(vector: Vector, fallback: Vector) -> Vector {
+    let length = vector.norm();
+    if length > 1e-12 { vector / length } else { fallback }
+}
+
+/// A turn about the vertical through the origin, then a shift: `a_from_b`.
+///
+/// - `yaw`: `[rad]`, counter-clockwise seen from above.
+/// - `shift`: `[m]`, in `a`.
+pub fn yaw_isometry(yaw: f64, shift: Vector) -> Isometry {
+    Isometry::from_parts(
+        Translation3::from(shift),
+        UnitQuaternion::from_axis_angle(&Vector::z_axis(), yaw),
+    )
+}
+
+/// The rotation closest to `covariance`: `argmax_R tr(Rᵀ C)`, determinant +1 (Kabsch 1976).
+///
+/// Where `covariance` has rank 0 or 1 the maximiser is not unique and one of them is returned.
+pub fn closest_rotation(covariance: &Matrix3<f64>) -> Matrix3<f64> {
+    let svd = covariance.svd(true, true);
+    let (Some(mut u), Some(v_t)) = (svd.u, svd.v_t) else {
+        return Matrix3::identity();
+    };
+    if (u * v_t).determinant() < 0.0 {
+        // nalgebra sorts singular values downwards: the last column is the cheapest to flip.
+        u.column_mut(2).neg_mut();
+    }
+    u * v_t
+}
+
+/// The rigid motion `b_from_a` that takes `points_in_a` closest to `points_in_b` (least squares).
+///
+/// Pairs by position in the iterators; the identity where there are no pairs.
+pub fn rigid_alignment<'a>(
+    pairs: impl Iterator<Item = (&'a Point, &'a Point)> + Clone,
+) -> Isometry {
+    let (mean_a, mean_b, count) = means(pairs.clone());
+    if count == 0 {
+        return Isometry::identity();
+    }
+    let mut covariance = Matrix3::zeros();
+    for (a, b) in pairs {
+        covariance += (b.coords - mean_b) * (a.coords - mean_a).transpose();
+    }
+    let rotation = closest_rotation(&covariance);
+    let rotation =
+        UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rotation));
+    Isometry::from_parts(Translation3::from(mean_b - rotation * mean_a), rotation)
+}
+
+/// As [`rigid_alignment`], turning about the vertical only: people stand on a floor.
+pub fn yaw_alignment<'a>(pairs: impl Iterator<Item = (&'a Point, &'a Point)> + Clone) -> Isometry {
+    let (mean_a, mean_b, _) = means(pairs.clone());
+    let (mut cosine, mut sine) = (0.0, 0.0);
+    for (a, b) in pairs {
+        let (a, b) = (a.coords - mean_a, b.coords - mean_b);
+        cosine += a.x * b.x + a.y * b.y;
+        sine += a.x * b.y - a.y * b.x;
+    }
+    let turn = yaw_isometry(sine.atan2(cosine), Vector::zeros());
+    Isometry::from_parts(Translation3::from(mean_b - turn * mean_a), turn.rotation)
+}
+
+fn means<'a>(pairs: impl Iterator<Item = (&'a Point, &'a Point)>) -> (Vector, Vector, usize) {
+    let (mut sum_a, mut sum_b, mut count) = (Vector::zeros(), Vector::zeros(), 0);
+    for (a, b) in pairs {
+        sum_a += a.coords;
+        sum_b += b.coords;
+        count += 1;
+    }
+    let scale = 1.0 / f64::from(count.max(1));
+    (sum_a * scale, sum_b * scale, count as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn cloud() -> Vec<Point> {
+        (0..9)
+            .map(|i| f64::from(i))
+            .map(|i| Point::new(i.sin(), (2.0 * i).cos(), 0.3 * i))
+            .collect()
+    }
+
+    #[test]
+    fn alignments_recover_the_motion_that_was_applied() {
+        let a = cloud();
+        let turn = Isometry::new(Vector::new(0.3, -2.0, 1.0), Vector::new(0.4, -0.2, 2.5));
+        let b: Vec<Point> = a.iter().map(|p| turn * p).collect();
+        let found = rigid_alignment(a.iter().zip(&b));
+        assert!((found.to_homogeneous() - turn.to_homogeneous()).amax() < 1e-12);
+
+        let yaw = yaw_isometry(2.9, Vector::new(1.0, 2.0, 3.0));
+        let b: Vec<Point> = a.iter().map(|p| yaw * p).collect();
+        let found = yaw_alignment(a.iter().zip(&b));
+        assert!((found.to_homogeneous() - yaw.to_homogeneous()).amax() < 1e-12);
+    }
+
+    #[test]
+    fn a_mirror_image_still_gives_a_rotation() {
+        let covariance = Matrix3::new(-2.0, 0.1, 0.0, 0.2, 1.0, 0.0, 0.0, 0.3, 0.5);
+        let rotation = closest_rotation(&covariance);
+        assert!((rotation.determinant() - 1.0).abs() < 1e-12);
+        assert!((rotation.transpose() * rotation - Matrix3::identity()).amax() < 1e-12);
+    }
+
+    #[test]
+    fn no_pairs_leave_everything_where_it_is() {
+        let none: [(&Point, &Point); 0] = [];
+        assert_eq!(rigid_alignment(none.into_iter()), Isometry::identity());
+        assert_eq!(yaw_alignment(none.into_iter()), Isometry::identity());
+    }
+}

@@ -1,0 +1,18 @@
+//! A robot takes one side of a human-human handover.
+//!
+//! Two people's joints over time make an interaction mesh; its Laplacian coordinates, learned from
+//! demonstrations, say where the robot's joints belong when the partner stands and moves as seen
+//! now. Values in, values out: positions in metres (right-handed, z up), time in integer
+//! nanoseconds; the library opens no file, reads no clock and prints nothing.
+
+pub mod geometry;
+pub mod skeleton;
+pub mod statistics;
+pub mod time;
+
+pub use geometry::{Isometry, Point, Vector};
+pub use skeleton::{
+    Bone, Frame, JointId, ObjectTrack, Part, Person, Recording, RecordingError, Role, Sequence,
+    SequenceError, Side, Skeleton, SkeletonError,
+};
+pub use time::{Span, Stamp};
