@@ -1,0 +1,103 @@
+//! Exact signs: the adaptive expansions of Shewchuk (1997), by the crate `robust`, in the
+//! orientation used here.
+//!
+//! Exact for the coordinates [`super::MAGNITUDES`] allows.
+
+use crate::geometry::Point;
+use robust::{Coord, Coord3D};
+
+fn coord(p: &Point) -> Coord3D<f64> {
+    Coord3D { x: p.x, y: p.y, z: p.z }
+}
+
+/// The sign of `det(b − a, c − a, d − a)`, six times the signed volume of `abcd`.
+pub(super) fn orientation(a: &Point, b: &Point, c: &Point, d: &Point) -> f64 {
+    // NOTE: `robust` calls the mirror image positive.
+    -robust::orient3d(coord(a), coord(b), coord(c), coord(d))
+}
+
+/// Positive if `p` is strictly inside the circumsphere of the positively oriented `tetrahedron`,
+/// negative if strictly outside, zero on it.
+pub(super) fn in_sphere([a, b, c, d]: [&Point; 4], p: &Point) -> f64 {
+    // NOTE: `robust` expects the mirror image, hence the exchange of the first two.
+    robust::insphere(coord(b), coord(a), coord(c), coord(d), coord(p))
+}
+
+/// Whether the three lie on one line, two of them possibly in one place.
+///
+/// They do exactly if their shadows on the three coordinate planes do.
+pub(super) fn collinear(a: &Point, b: &Point, c: &Point) -> bool {
+    [[0, 1], [1, 2], [2, 0]].into_iter().all(|[i, j]| {
+        let shadow = |p: &Point| Coord { x: p[i], y: p[j] };
+        robust::orient2d(shadow(a), shadow(b), shadow(c)) == 0.0
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::delaunay::{MAGNITUDES, power_of_two};
+    use proptest::prelude::*;
+
+    #[test]
+    fn a_right_handed_corner_is_positive_and_holds_its_centre() {
+        let [a, b, c, d] =
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].map(Point::from);
+        assert!(orientation(&a, &b, &c, &d) > 0.0);
+        assert!(orientation(&b, &a, &c, &d) < 0.0);
+        let sphere = [&a, &b, &c, &d];
+        assert!(in_sphere(sphere, &Point::new(0.5, 0.5, 0.5)) > 0.0);
+        assert!(in_sphere(sphere, &Point::new(0.9, 0.9, 0.9)) > 0.0);
+        assert!(in_sphere(sphere, &Point::new(1.1, 1.1, 1.1)) < 0.0);
+        assert_eq!(in_sphere(sphere, &Point::new(1.0, 1.0, 1.0)), 0.0);
+    }
+
+    #[test]
+    fn three_on_a_skew_line_are_collinear_and_no_others() {
+        let at = |t: f64| Point::new(1.0 + t, 2.0 - 3.0 * t, 0.5 * t);
+        assert!(collinear(&at(0.0), &at(2.0), &at(-5.0)));
+        assert!(collinear(&at(1.0), &at(1.0), &at(2.0)));
+        let mut off = at(2.0);
+        off.z = off.z.next_up();
+        assert!(!collinear(&at(0.0), &off, &at(-5.0)));
+    }
+
+    /// Signs must not change under powers of two, which are exact unless something under- or
+    /// overflows; the points nearly share a sphere or a plane and use all 53 bits.
+    fn check_scale(points: &[Point; 5], exponent: i64) {
+        let factor = power_of_two(exponent);
+        let scaled = points.map(|p| p * factor);
+        for p in &scaled {
+            for c in p.coords.iter() {
+                assert!(*c == 0.0 || (MAGNITUDES[0]..=MAGNITUDES[1]).contains(&c.abs()));
+            }
+        }
+        let sphere = |[a, b, c, d, e]: &[Point; 5]| in_sphere([a, b, c, d], e);
+        let solid = |[a, b, c, d, _]: &[Point; 5]| orientation(a, b, c, d);
+        let sign = |x: f64| (x > 0.0) as i8 - (x < 0.0) as i8;
+        assert_eq!(sign(sphere(points)), sign(sphere(&scaled)));
+        assert_eq!(sign(solid(points)), sign(solid(&scaled)));
+    }
+
+    proptest! {
+        #[test]
+        fn signs_are_exact_at_both_ends_of_the_range(
+            turns in prop::array::uniform5(prop::array::uniform2(0.0..6.3_f64)),
+            shift in prop::array::uniform3(2.5..3.0_f64),
+            flat in any::<bool>(),
+            nudge in -2_i64..=2,
+        ) {
+            let mut points = turns.map(|[u, v]| {
+                let v = if flat { 0.7 } else { v };
+                Point::new(
+                    shift[0] + u.cos() * v.cos(),
+                    shift[1] + u.sin() * v.cos(),
+                    shift[2] + v.sin(),
+                )
+            });
+            points[4].x = f64::from_bits((points[4].x.to_bits() as i64 + nudge) as u64);
+            check_scale(&points, -160);
+            check_scale(&points, 158);
+        }
+    }
+}

@@ -1,0 +1,83 @@
+//! Structure: the links between cells, and the points on which the walk or the cavity could trip.
+
+use super::cells::FREE;
+use super::*;
+
+impl Workspace {
+    /// Panics unless neighbours know each other, share a facet and see it from opposite sides.
+    fn sanity_check(&self) {
+        for (index, cell) in self.cells.iter().enumerate() {
+            if cell.vertices == FREE {
+                continue;
+            }
+            for facet in 0..4 {
+                let across = cell.neighbours[facet];
+                let other = &self.cells[(across >> 2) as usize];
+                let back = (across & 3) as usize;
+                assert_ne!(other.vertices, FREE);
+                assert_eq!(other.neighbours[back] as usize, 4 * index + facet);
+                let corners = |cell: &Cell, facet: usize| {
+                    let mut corners = cells::FACET[facet].map(|i| cell.vertices[i]);
+                    let least = (0..3).min_by_key(|&i| corners[i]).unwrap();
+                    corners.rotate_left(least);
+                    corners
+                };
+                let [a, b, c] = corners(cell, facet);
+                assert_eq!(corners(other, back), [a, c, b]);
+            }
+        }
+    }
+}
+
+fn check(points: &[Point]) -> Delaunay {
+    let mut workspace = Workspace::default();
+    let found = workspace.delaunay(points).unwrap();
+    workspace.sanity_check();
+    found
+}
+
+fn grid(side: i32) -> Vec<Point> {
+    let cells =
+        (0..side).flat_map(|x| (0..side).flat_map(move |y| (0..side).map(move |z| [x, y, z])));
+    cells.map(|cell| Point::from(cell.map(f64::from))).collect()
+}
+
+#[test]
+fn links_are_mutual_on_grids() {
+    for side in 2..6 {
+        let found = check(&grid(side));
+        assert!(found.duplicates().is_empty());
+    }
+}
+
+#[test]
+fn a_cavity_of_many_corners_is_linked() {
+    // All but the last two are on a sphere about the last but one, which removes every cell.
+    let mut points: Vec<Point> = (0..400)
+        .map(f64::from)
+        .map(|i| {
+            let (z, turn) = (i / 200.0 - 0.9975, 2.4 * i);
+            let r = (1.0 - z * z).sqrt();
+            Point::new(r * turn.cos(), r * turn.sin(), z)
+        })
+        .collect();
+    // Far off on the Hilbert curve, so last in the order.
+    points.push(Point::new(0.0, 0.0, 0.0));
+    let found = check(&points);
+    let spokes = found.edges().iter().filter(|edge| edge[1] == 400).count();
+    assert!(spokes > 300, "{spokes}");
+}
+
+#[test]
+fn a_workspace_forgets() {
+    let mut workspace = Workspace::default();
+    let (large, small) = (grid(5), grid(3));
+    let before = workspace.delaunay(&small).unwrap();
+    workspace.delaunay(&large).unwrap();
+    assert_eq!(
+        workspace.delaunay(&small[..9]),
+        Err(DelaunayError::Flat { points: 9, span: Span::Plane })
+    );
+    assert_eq!(workspace.delaunay(&small).unwrap(), before);
+    workspace.sanity_check();
+}
