@@ -5,6 +5,7 @@
 //! now. Values in, values out: positions in metres (right-handed, z up), time in integer
 //! nanoseconds; the library opens no file, reads no clock and prints nothing.
 
+pub mod formats;
 pub mod geometry;
 pub mod skeleton;
 pub mod statistics;
