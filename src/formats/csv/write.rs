@@ -1,0 +1,109 @@
+//! A [`Recording`] → CSV that reads back as the same recording.
+
+use super::super::field;
+use super::{HEADER, OBJECT, metadata};
+use crate::geometry::Point;
+use crate::skeleton::{Part, Recording};
+use crate::time::Stamp;
+
+/// Why a recording cannot be written as CSV.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum WriteError {
+    /// Rows of a person of this name would be read as the object's, or as nobody's.
+    #[error("a person cannot be called '{name}' in a CSV")]
+    PersonName {
+        /// The name.
+        name: String,
+    },
+    /// Blank, or with blanks at its ends.
+    #[error("an object cannot be called '{name}' in a CSV")]
+    ObjectName {
+        /// The name.
+        name: String,
+    },
+    /// A joint that no reader knows, so its bones would be lost.
+    #[error("'{person}' has a joint '{joint}' that a CSV cannot hold: its name is not known")]
+    UnknownJoint {
+        /// Whose joint.
+        person: String,
+        /// Its name.
+        joint: String,
+    },
+    /// A CSV has one time for all that is in a frame.
+    #[error("the object's place at {time} is at none of the frames' times")]
+    ObjectBetweenFrames {
+        /// When.
+        time: Stamp,
+    },
+}
+
+/// Writes the recording: metadata sorted, one row a joint, `\n` line ends.
+///
+/// [`read`](super::read) gives the same recording back, names, stamps and coordinates to the bit,
+/// if its joints are in canonical order as every reader leaves them and within 1000 m.
+///
+/// # Errors
+/// [`WriteError`] if the recording holds what a CSV cannot.
+pub fn write(recording: &Recording) -> Result<String, WriteError> {
+    check_names(recording)?;
+    let mut rows = ::csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
+    let mut places = recording.object().map(|o| o.places.iter().peekable());
+    for (number, stamp) in recording.stamps().enumerate() {
+        let head = [number.to_string(), field::stamp_text(stamp)];
+        for person in recording.people() {
+            let positions = &person.motion.frames()[number].positions;
+            for (joint, point) in person.motion.skeleton().names().iter().zip(positions) {
+                write_row(&mut rows, &head, &person.name, joint, point);
+            }
+        }
+        let Some((object, places)) = recording.object().zip(places.as_mut()) else { continue };
+        if let Some((time, point)) = places.next_if(|(time, _)| *time <= stamp) {
+            if *time < stamp {
+                return Err(WriteError::ObjectBetweenFrames { time: *time });
+            }
+            write_row(&mut rows, &head, OBJECT, &object.name, point);
+        }
+    }
+    if let Some((time, _)) = places.as_mut().and_then(Iterator::next) {
+        return Err(WriteError::ObjectBetweenFrames { time: *time });
+    }
+    let rows = rows.into_inner().unwrap_or_default();
+    let rows = String::from_utf8(rows).unwrap_or_default();
+    Ok(format!("{}{HEADER}\n{rows}", metadata::lines(recording.metadata())))
+}
+
+fn write_row(
+    rows: &mut ::csv::Writer<Vec<u8>>,
+    head: &[String; 2],
+    person: &str,
+    joint: &str,
+    point: &Point,
+) {
+    let [number, time] = head;
+    // The shortest text of an f64 that reads back as the same bits is what Display gives.
+    let [x, y, z] = [point.x, point.y, point.z].map(|c| c.to_string());
+    // Cannot fail: the rows go to memory and all have as many fields.
+    let _ = rows.write_record([number, time, person, joint, &x, &y, &z]);
+}
+
+fn check_names(recording: &Recording) -> Result<(), WriteError> {
+    let blank = |name: &str| name.trim().is_empty() || name.trim() != name;
+    for person in recording.people() {
+        let name = &person.name;
+        if blank(name) || name == OBJECT {
+            return Err(WriteError::PersonName { name: name.clone() });
+        }
+        for joint in person.motion.skeleton().names() {
+            if Part::from_name(joint).is_none() {
+                let (person, joint) = (name.clone(), joint.clone());
+                return Err(WriteError::UnknownJoint { person, joint });
+            }
+        }
+    }
+    match recording.object() {
+        Some(object) if blank(&object.name) => {
+            Err(WriteError::ObjectName { name: object.name.clone() })
+        }
+        _ => Ok(()),
+    }
+}
