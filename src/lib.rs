@@ -6,6 +6,7 @@
 //! nanoseconds; the library opens no file, reads no clock and prints nothing.
 
 pub mod geometry;
+pub mod kinematics;
 pub mod skeleton;
 pub mod statistics;
 pub mod time;
