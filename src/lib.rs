@@ -8,6 +8,7 @@
 pub mod delaunay;
 pub mod formats;
 pub mod geometry;
+pub mod kinematics;
 pub mod skeleton;
 pub mod statistics;
 pub mod time;
