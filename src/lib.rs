@@ -5,10 +5,16 @@
 //! now. Values in, values out: positions in metres (right-handed, z up), time in integer
 //! nanoseconds; the library opens no file, reads no clock and prints nothing.
 
+pub mod align;
 pub mod delaunay;
+pub mod demonstration;
+pub mod evaluate;
 pub mod formats;
 pub mod geometry;
 pub mod kinematics;
+pub mod mesh;
+pub mod predict;
+pub mod retarget;
 pub mod skeleton;
 pub mod statistics;
 pub mod time;

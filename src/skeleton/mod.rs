@@ -5,6 +5,7 @@
 //!
 //! Reads no file and knows nothing of meshes or robots.
 
+mod heading;
 mod joints;
 mod mirror;
 mod part;

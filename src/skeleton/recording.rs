@@ -197,6 +197,15 @@ impl Recording {
         moved
     }
 
+    /// Both people smoothed by `sigma` `[s]`: see [`Sequence::smoothed`].
+    pub fn smoothed(&self, sigma: f64) -> Self {
+        let mut smooth = self.clone();
+        for person in &mut smooth.people {
+            person.motion = person.motion.smoothed(sigma);
+        }
+        smooth
+    }
+
     /// The mirror image in the x-z plane: see [`Sequence::mirrored`].
     pub fn mirrored(&self) -> Self {
         let mut image = self.clone();

@@ -1,0 +1,147 @@
+//! Laplacian coordinates: how each joint sits among its neighbours.
+
+use std::sync::Arc;
+
+use super::{EdgeWeights, MeshError, Topology};
+use crate::geometry::{Point, Vector, is_finite};
+
+/// One interaction over a topology: positions and weights, checked to fit and to be finite.
+///
+/// A vertex of the space-time mesh is `frame · vertices + vertex`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InteractionMesh {
+    topology: Arc<Topology>,
+    positions: Vec<Point>,
+    weights: EdgeWeights,
+}
+
+impl InteractionMesh {
+    /// The only way in.
+    ///
+    /// - `positions`: `[m]`, `frames × vertices`, at least one frame.
+    ///
+    /// # Errors
+    /// [`MeshError`] where shapes differ, a position is not finite or a weight is not usable.
+    pub fn new(
+        topology: Arc<Topology>,
+        positions: Vec<Point>,
+        weights: EdgeWeights,
+    ) -> Result<Self, MeshError> {
+        let vertices = topology.pair().len();
+        let frames = positions.len() / vertices;
+        if frames == 0 || frames * vertices != positions.len() {
+            return Err(MeshError::Shape { got: positions.len(), frames: frames.max(1), vertices });
+        }
+        if let Some(at) = positions.iter().position(|p| !is_finite(p)) {
+            return Err(MeshError::NotFinite { frame: at / vertices, joint: at % vertices });
+        }
+        weights.check(&topology, frames)?;
+        Ok(Self { topology, positions, weights })
+    }
+
+    /// Who neighbours whom.
+    pub fn topology(&self) -> &Arc<Topology> {
+        &self.topology
+    }
+
+    /// `[m]`, `frames × vertices`.
+    pub fn positions(&self) -> &[Point] {
+        &self.positions
+    }
+
+    /// The number of frames, at least 1.
+    pub fn frames(&self) -> usize {
+        self.positions.len() / self.topology.pair().len()
+    }
+
+    /// Calls `visit(neighbour, w̄)` for the neighbours of a space-time vertex, rising: the frame
+    /// before, the frame's own, the frame after. The `w̄` sum to 1.
+    pub fn for_each_neighbour(&self, vertex: usize, mut visit: impl FnMut(usize, f64)) {
+        let vertices = self.topology.pair().len();
+        let (frame, joint) = (vertex / vertices, vertex % vertices);
+        let spatial = self.weights.frame(frame);
+        let (past, future) = (frame > 0, frame + 1 < self.frames());
+        let time = self.weights.time();
+        let total: f64 =
+            self.topology.neighbours(joint).map(|(_, edge)| spatial[edge]).sum::<f64>()
+                + time * f64::from(u8::from(past) + u8::from(future));
+        // A lone frame of a vertex without weight of its own has no neighbours at all.
+        let scale = if total > 0.0 { 1.0 / total } else { 0.0 };
+        if past {
+            visit(vertex - vertices, time * scale);
+        }
+        for (neighbour, edge) in self.topology.neighbours(joint) {
+            visit(frame * vertices + neighbour, spatial[edge] * scale);
+        }
+        if future {
+            visit(vertex + vertices, time * scale);
+        }
+    }
+
+    /// `δᵢ = vᵢ − Σⱼ w̄ᵢⱼ vⱼ` `[m]` of a space-time vertex (Thai 2014, 3.1).
+    pub fn laplacian(&self, vertex: usize) -> Vector {
+        let mut delta = Vector::zeros();
+        let here = self.positions[vertex];
+        self.for_each_neighbour(vertex, |j, weight| delta += weight * (here - self.positions[j]));
+        delta
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Edge, Kernel, Pair};
+    use super::*;
+    use crate::skeleton::{Role, Skeleton};
+
+    fn mesh(shift: Vector) -> InteractionMesh {
+        let skeleton = Skeleton::nite();
+        let pair = Arc::new(Pair::new([skeleton.clone(), skeleton]));
+        let hands = Edge::new(
+            pair.vertices(Role::First).nth(8).unwrap(),
+            pair.vertices(Role::Second).nth(8).unwrap(),
+        );
+        let topology = Arc::new(Topology::new(pair, [hands]).unwrap());
+        let positions: Vec<Point> = (0..90)
+            .map(|i| f64::from(i))
+            .map(|i| Point::new(i.sin(), (1.7 * i).cos(), (0.3 * i).sin()) + shift)
+            .collect();
+        let kernel =
+            Kernel::InverseDistance { scale: 3.0, power: 2.0, reference: 0.1, minimum: 0.05 };
+        let weights = EdgeWeights::by_kernel(&topology, &positions, kernel, 0.5);
+        InteractionMesh::new(topology, positions, weights).unwrap()
+    }
+
+    #[test]
+    fn the_laplacian_ignores_translation_and_weights_sum_to_one() {
+        let (here, there) = (mesh(Vector::zeros()), mesh(Vector::new(3.0, -2.0, 1.0)));
+        for vertex in 0..90 {
+            assert!((here.laplacian(vertex) - there.laplacian(vertex)).norm() < 1e-12);
+            let mut sum = 0.0;
+            let mut last = None;
+            here.for_each_neighbour(vertex, |j, weight| {
+                sum += weight;
+                assert!(last < Some(j), "neighbours rise");
+                last = Some(j);
+            });
+            assert!((sum - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn what_is_no_mesh_is_refused() {
+        let good = mesh(Vector::zeros());
+        let new = |p: Vec<Point>, w: EdgeWeights| InteractionMesh::new(good.topology.clone(), p, w);
+        let mut positions = good.positions.clone();
+        positions[31].y = f64::NAN;
+        let error = new(positions, good.weights.clone()).unwrap_err();
+        assert_eq!(error, MeshError::NotFinite { frame: 1, joint: 1 });
+        assert!(new(good.positions[..89].to_vec(), good.weights.clone()).is_err());
+        assert!(new(good.positions[..60].to_vec(), good.weights.clone()).is_err());
+        for time in [f64::NAN, -1.0] {
+            let weights =
+                EdgeWeights::by_kernel(&good.topology, &good.positions, Kernel::Uniform, time);
+            let error = new(good.positions.clone(), weights).unwrap_err();
+            assert_eq!(error, MeshError::Weight { frame: 0, joint: 0 });
+        }
+    }
+}

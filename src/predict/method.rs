@@ -1,0 +1,210 @@
+//! The methods, and what they learn once per set of demonstrations.
+
+use std::sync::Arc;
+
+use super::aligned::{Alignment, align, choose, features};
+use super::{PredictSettings, attach, mesh, promp, ridge};
+use crate::demonstration::{Demonstration, Observation};
+use crate::geometry::{Point, Vector};
+use crate::mesh::MeshError;
+use crate::retarget::RetargetError;
+
+/// Ways to say where the robot's joints belong.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Method {
+    /// The robot's first pose, kept on its base.
+    Hold,
+    /// The nearest demonstration, moved to the base.
+    Replay,
+    /// The weighted mean of the nearest demonstrations.
+    Knn,
+    /// Ridge regression of the robot's pose on the partner's.
+    Ridge,
+    /// Interaction probabilistic movement primitives (Maeda et al. 2014), ridge-regularised.
+    Promp,
+    /// The nearest demonstration, its hand led by two-bone inverse kinematics to the partner's
+    /// hand plus the mean gap.
+    Attach,
+    /// Laplacian retargeting without interperson edges.
+    None,
+    /// Laplacian retargeting with the interaction mesh.
+    Mesh,
+}
+
+impl Method {
+    /// All of them, in the order tables show them.
+    pub const ALL: [Self; 8] = [
+        Self::Hold,
+        Self::Replay,
+        Self::Knn,
+        Self::Ridge,
+        Self::Promp,
+        Self::Attach,
+        Self::None,
+        Self::Mesh,
+    ];
+
+    /// The name in tables, files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Hold => "hold",
+            Self::Replay => "replay",
+            Self::Knn => "knn",
+            Self::Ridge => "ridge",
+            Self::Promp => "promp",
+            Self::Attach => "attach",
+            Self::None => "none",
+            Self::Mesh => "mesh",
+        }
+    }
+}
+
+/// Why there is no prediction.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum PredictError {
+    /// Nothing to learn from.
+    #[error("no demonstrations")]
+    NoDemonstrations,
+    /// A demonstration's skeletons are not the observation's.
+    #[error("{demonstration} has other joints than the recording at hand")]
+    Skeleton {
+        /// The demonstration's name.
+        demonstration: String,
+    },
+    /// The robot takes one role in a demonstration and another here.
+    #[error("{demonstration} names its people in another order than the recording at hand")]
+    Role {
+        /// The demonstration's name.
+        demonstration: String,
+    },
+    /// The reference makes no mesh.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// The mesh could not be solved.
+    #[error(transparent)]
+    Retarget(#[from] RetargetError),
+}
+
+/// Demonstrations and what was fitted to them; immutable, shared between threads.
+#[derive(Debug, Clone)]
+pub struct Predictor {
+    demonstrations: Vec<Arc<Demonstration>>,
+    features: Vec<Vec<Vec<f64>>>,
+    ridge: ridge::Ridge,
+    settings: PredictSettings,
+}
+
+impl Predictor {
+    /// Fits everything to a set of demonstrations.
+    ///
+    /// # Errors
+    /// [`PredictError`] if there are none, or their skeletons or roles differ.
+    pub fn fit(
+        demonstrations: Vec<Arc<Demonstration>>,
+        settings: PredictSettings,
+    ) -> Result<Self, PredictError> {
+        let first = demonstrations.first().ok_or(PredictError::NoDemonstrations)?.observation();
+        for demonstration in &demonstrations {
+            check_same(demonstration, &first)?;
+        }
+        let features = demonstrations.iter().map(|demonstration| {
+            let robot = demonstration.robot();
+            features(
+                demonstration.partner(),
+                demonstration.partner_base(),
+                |frame| robot.position(frame, demonstration.robot_base()),
+                settings.distance_weight,
+            )
+        });
+        let features = features.collect();
+        let ridge = ridge::Ridge::fit(&demonstrations, settings.ridge_penalty);
+        Ok(Self { demonstrations, features, ridge, settings })
+    }
+
+    /// What it was fitted to.
+    pub fn demonstrations(&self) -> &[Arc<Demonstration>] {
+        &self.demonstrations
+    }
+
+    /// The settings it was fitted with.
+    pub fn settings(&self) -> &PredictSettings {
+        &self.settings
+    }
+
+    /// Lays all demonstrations on an observation's time and place.
+    ///
+    /// # Errors
+    /// [`PredictError::Skeleton`], [`PredictError::Role`] if the observation has other people.
+    pub fn align(&self, observation: &Observation) -> Result<Alignment, PredictError> {
+        check_same(&self.demonstrations[0], observation)?;
+        let observed = features(
+            &observation.partner,
+            observation.partner_base,
+            |frame| observation.base[frame],
+            self.settings.distance_weight,
+        );
+        let all = self.demonstrations.iter().zip(&self.features).enumerate();
+        let all = all.filter_map(|(index, (demonstration, demonstrated))| {
+            let warp = self.settings.warp;
+            align(observation, &observed, index, demonstration, demonstrated, warp)
+        });
+        choose(all.collect(), &self.settings).ok_or(PredictError::NoDemonstrations)
+    }
+
+    /// The mean gap `[m]` of the demonstrations in which these hands met (in all, where none
+    /// agrees), in the partner's heading frame at their contact: the ḡ of the evaluation.
+    pub fn mean_gap(&self, hands: crate::demonstration::Hands) -> Vector {
+        let contacts = || self.demonstrations.iter().map(|d| d.contact());
+        let agreeing: Vec<Vector> =
+            contacts().filter(|c| c.hands == hands).map(|c| c.gap).collect();
+        let gaps = if agreeing.is_empty() { contacts().map(|c| c.gap).collect() } else { agreeing };
+        gaps.iter().sum::<Vector>() / gaps.len() as f64
+    }
+
+    /// The robot's joints by one method: `[m]`, `frames × joints`.
+    ///
+    /// # Errors
+    /// [`PredictError::Mesh`], [`PredictError::Retarget`] of the mesh methods.
+    pub fn predict(
+        &self,
+        method: Method,
+        observation: &Observation,
+        alignment: &Alignment,
+    ) -> Result<Vec<Point>, PredictError> {
+        Ok(match method {
+            Method::Hold => hold(observation),
+            Method::Replay => alignment.all[alignment.nearest[0].0].robot.clone(),
+            Method::Knn => alignment.mean_robot(),
+            Method::Ridge => self.ridge.predict(observation),
+            Method::Promp => promp::predict(observation, alignment, &self.settings),
+            Method::Attach => {
+                let gap = self.mean_gap(alignment.hands);
+                attach::predict(observation, alignment, gap, self.settings.attach_fade)
+            }
+            Method::None => mesh::predict(observation, alignment, &[], &self.settings)?,
+            Method::Mesh => {
+                mesh::predict(observation, alignment, &[alignment.hands], &self.settings)?
+            }
+        })
+    }
+}
+
+/// The first pose, moved along with the base.
+fn hold(observation: &Observation) -> Vec<Point> {
+    let start = observation.first_pose[observation.robot_base.index()];
+    let frames = observation.base.iter().map(|base| base - start);
+    frames.flat_map(|shift| observation.first_pose.iter().map(move |p| p + shift)).collect()
+}
+
+fn check_same(
+    demonstration: &Demonstration,
+    observation: &Observation,
+) -> Result<(), PredictError> {
+    let name = || demonstration.recording().name().to_owned();
+    if demonstration.robot_role() != observation.robot_role {
+        return Err(PredictError::Role { demonstration: name() });
+    }
+    let same = demonstration.robot().skeleton() == &observation.robot_skeleton
+        && demonstration.partner().skeleton() == observation.partner.skeleton();
+    if same { Ok(()) } else { Err(PredictError::Skeleton { demonstration: name() }) }
+}

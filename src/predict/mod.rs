@@ -1,0 +1,19 @@
+//! Where the robot's joints belong, by our mesh and by what it is compared with.
+//!
+//! The path of the data: demonstrations → [`Predictor::fit`]; an observation →
+//! [`Predictor::align`] (each demonstration on its time and place, the nearest ones' mean) →
+//! [`Predictor::predict`] by one [`Method`] → the robot's joints, frame by frame. Every method
+//! gets the same alignment, so that they differ in what is their own.
+
+mod aligned;
+mod attach;
+mod linear;
+mod mesh;
+mod method;
+mod promp;
+mod ridge;
+mod settings;
+
+pub use aligned::{Aligned, Alignment};
+pub use method::{Method, PredictError, Predictor};
+pub use settings::PredictSettings;

@@ -1,0 +1,301 @@
+//! Banded symmetric positive definite systems: `A = L Lᵀ`, factored in place, no pivoting.
+//!
+//! Unknowns ordered frame by frame couple only within a fixed distance, so the factor fills the
+//! band and nothing else (George & Liu 1981, 4.2). Rows are stored contiguously and worked on four
+//! at a time: all inner loops are dot products over contiguous numbers.
+//!
+//! Knows nothing of meshes. Allocates only when made.
+
+use pulp::Arch;
+
+/// Rows factored together; their storage starts at a common column.
+const BLOCK: usize = 4;
+
+/// A pivot below this share of its diagonal entry means the system does not determine its unknown.
+const PIVOT_TOLERANCE: f64 = 1e-12;
+
+/// The lower half of a symmetric matrix within its band, or its Cholesky factor.
+#[derive(Debug, Clone)]
+pub struct BandMatrix {
+    size: usize,
+    /// Columns stored left of a block of rows.
+    reach: usize,
+    /// `size` rows of `reach + BLOCK` numbers.
+    values: Vec<f64>,
+    /// `1 / L[r][r]`.
+    inverse_diagonal: Vec<f64>,
+    arch: Arch,
+}
+
+/// The unknown at which a factorisation found the system undetermined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NotPositiveDefinite {
+    /// Row of the matrix.
+    pub row: usize,
+}
+
+impl BandMatrix {
+    /// A zero matrix of `size` rows whose entries lie within `half_bandwidth` of the diagonal.
+    pub fn new(size: usize, half_bandwidth: usize) -> Self {
+        let reach = half_bandwidth.next_multiple_of(BLOCK);
+        let values = vec![0.0; size * (reach + BLOCK)];
+        Self { size, reach, values, inverse_diagonal: vec![0.0; size], arch: Arch::new() }
+    }
+
+    /// The number of rows.
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
+    /// Sets every entry to zero, ready for [`Self::add`].
+    pub fn clear(&mut self) {
+        self.values.fill(0.0);
+    }
+
+    /// Adds to the entry at `row`, `column ≤ row`, within the band.
+    #[inline]
+    pub fn add(&mut self, row: usize, column: usize, value: f64) {
+        let at = self.place(row, column);
+        self.values[at] += value;
+    }
+
+    /// The entry at `row`, `column ≤ row`, within the band.
+    pub fn get(&self, row: usize, column: usize) -> f64 {
+        self.values[self.place(row, column)]
+    }
+
+    /// Where `column` of `row` is stored. A block's rows share their first column, which is
+    /// `reach` left of the block, so `+ reach` keeps the difference from going negative.
+    #[inline]
+    fn place(&self, row: usize, column: usize) -> usize {
+        debug_assert!(column <= row && column + self.reach >= row - row % BLOCK);
+        row * (self.reach + BLOCK) + column + self.reach - (row - row % BLOCK)
+    }
+
+    /// Replaces the matrix by its factor `L`.
+    ///
+    /// # Errors
+    /// [`NotPositiveDefinite`] names the first undetermined unknown; the values are then
+    /// meaningless until the next [`Self::clear`].
+    pub fn factor(&mut self) -> Result<(), NotPositiveDefinite> {
+        let arch = self.arch;
+        arch.dispatch(|| self.factor_blocks())
+    }
+
+    #[inline(always)]
+    fn factor_blocks(&mut self) -> Result<(), NotPositiveDefinite> {
+        let (size, reach, width) = (self.size, self.reach, self.reach + BLOCK);
+        for block in (0..size).step_by(BLOCK) {
+            let rows = BLOCK.min(size - block);
+            let (above, here) = self.values.split_at_mut(block * width);
+            let first = block.saturating_sub(reach);
+            // Column `c` of the block's rows is stored at `c + reach − block` in each.
+            let start = first + reach - block;
+            if rows == BLOCK {
+                let (row_0, rest) = here.split_at_mut(width);
+                let (row_1, rest) = rest.split_at_mut(width);
+                let (row_2, rest) = rest.split_at_mut(width);
+                let row_3 = &mut rest[..width];
+                for column in first..block {
+                    let column_block = column - column % BLOCK;
+                    let from = column * width + first + reach - column_block;
+                    let to = column * width + column + reach - column_block;
+                    let other = &above[from..to];
+                    let (end, scale) = (start + other.len(), self.inverse_diagonal[column]);
+                    let dots = dot_4(
+                        [
+                            &row_0[start..end],
+                            &row_1[start..end],
+                            &row_2[start..end],
+                            &row_3[start..end],
+                        ],
+                        other,
+                    );
+                    row_0[end] = (row_0[end] - dots[0]) * scale;
+                    row_1[end] = (row_1[end] - dots[1]) * scale;
+                    row_2[end] = (row_2[end] - dots[2]) * scale;
+                    row_3[end] = (row_3[end] - dots[3]) * scale;
+                }
+            } else {
+                for row in here.chunks_exact_mut(width).take(rows) {
+                    for column in first..block {
+                        let column_block = column - column % BLOCK;
+                        let from = column * width + first + reach - column_block;
+                        let to = column * width + column + reach - column_block;
+                        let end = start + to - from;
+                        let sum = dot(&row[start..end], &above[from..to]);
+                        row[end] = (row[end] - sum) * self.inverse_diagonal[column];
+                    }
+                }
+            }
+            for row in 0..rows {
+                let (earlier, now) = here.split_at_mut(row * width);
+                let now = &mut now[..width];
+                for column in 0..row {
+                    let end = reach + column;
+                    let other = &earlier[column * width + start..column * width + end];
+                    let sum = dot(&now[start..end], other);
+                    now[end] = (now[end] - sum) * self.inverse_diagonal[block + column];
+                }
+                let end = reach + row;
+                let pivot = now[end] - dot(&now[start..end], &now[start..end]);
+                // `!(>)` so that NaN fails too.
+                if !(pivot > PIVOT_TOLERANCE * now[end]) {
+                    return Err(NotPositiveDefinite { row: block + row });
+                }
+                now[end] = pivot.sqrt();
+                self.inverse_diagonal[block + row] = 1.0 / now[end];
+            }
+        }
+        Ok(())
+    }
+
+    /// Solves `L Lᵀ x = b` in place for `W` right-hand sides at once; call after
+    /// [`Self::factor`].
+    ///
+    /// # Panics
+    /// If `rhs` has not one row per unknown.
+    pub fn solve<const W: usize>(&self, rhs: &mut [[f64; W]]) {
+        assert_eq!(rhs.len(), self.size, "one row of the right-hand side per unknown");
+        self.arch.dispatch(|| self.substitute(rhs));
+    }
+
+    #[inline(always)]
+    fn substitute<const W: usize>(&self, rhs: &mut [[f64; W]]) {
+        let width = self.reach + BLOCK;
+        for row in 0..self.size {
+            let (first, start) = self.first_of(row);
+            let (solved, rest) = rhs.split_at_mut(row);
+            let coefficients = &self.values[row * width + start..][..row - first];
+            let mut sum = rest[0];
+            for (coefficient, value) in coefficients.iter().zip(&solved[first..]) {
+                for w in 0..W {
+                    sum[w] = (-coefficient).mul_add(value[w], sum[w]);
+                }
+            }
+            rest[0] = sum.map(|s| s * self.inverse_diagonal[row]);
+        }
+        for row in (0..self.size).rev() {
+            let (first, start) = self.first_of(row);
+            let (open, rest) = rhs.split_at_mut(row);
+            let coefficients = &self.values[row * width + start..][..row - first];
+            let value = rest[0].map(|v| v * self.inverse_diagonal[row]);
+            rest[0] = value;
+            for (coefficient, target) in coefficients.iter().zip(&mut open[first..]) {
+                for w in 0..W {
+                    target[w] = (-coefficient).mul_add(value[w], target[w]);
+                }
+            }
+        }
+    }
+
+    /// A row's first stored column that exists, and where in the row it is stored.
+    #[inline]
+    fn first_of(&self, row: usize) -> (usize, usize) {
+        let block = row - row % BLOCK;
+        let first = block.saturating_sub(self.reach);
+        (first, first + self.reach - block)
+    }
+}
+
+/// Lanes of a dot product: two vector registers of four, so that additions overlap.
+const LANES: usize = 8;
+
+#[inline(always)]
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; LANES];
+    let (a_chunks, b_chunks) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    let (a_rest, b_rest) = (a_chunks.remainder(), b_chunks.remainder());
+    for (a, b) in a_chunks.zip(b_chunks) {
+        for lane in 0..LANES {
+            sums[lane] = a[lane].mul_add(b[lane], sums[lane]);
+        }
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    rest + sums.iter().sum::<f64>()
+}
+
+/// Four dot products with a common second factor, which is then loaded once.
+#[inline(always)]
+fn dot_4(rows: [&[f64]; 4], other: &[f64]) -> [f64; 4] {
+    const LANES: usize = 4;
+    let mut sums = [[0.0; LANES]; 4];
+    let whole = other.len() - other.len() % LANES;
+    let rows = rows.map(|row| &row[..other.len()]);
+    for at in (0..whole).step_by(LANES) {
+        for lane in 0..LANES {
+            let value = other[at + lane];
+            for row in 0..4 {
+                sums[row][lane] = rows[row][at + lane].mul_add(value, sums[row][lane]);
+            }
+        }
+    }
+    let mut dots = [0.0; 4];
+    for row in 0..4 {
+        let rest: f64 = (whole..other.len()).map(|at| rows[row][at] * other[at]).sum();
+        dots[row] = rest + sums[row].iter().sum::<f64>();
+    }
+    dots
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::DMatrix;
+    use rand::{Rng, SeedableRng};
+    use rand_chacha::ChaCha8Rng;
+
+    /// A random diagonally dominant matrix in the band, banded and dense.
+    fn random(size: usize, half_bandwidth: usize) -> (BandMatrix, DMatrix<f64>) {
+        let mut random = ChaCha8Rng::seed_from_u64((size * 1000 + half_bandwidth) as u64);
+        let mut band = BandMatrix::new(size, half_bandwidth);
+        let mut dense = DMatrix::zeros(size, size);
+        for row in 0..size {
+            for column in row.saturating_sub(half_bandwidth)..row {
+                let value = random.random_range(-1.0..1.0);
+                band.add(row, column, value);
+                dense[(row, column)] = value;
+                dense[(column, row)] = value;
+            }
+            let diagonal = 2.0 * half_bandwidth as f64 + 1.0;
+            band.add(row, row, diagonal);
+            dense[(row, row)] = diagonal;
+        }
+        (band, dense)
+    }
+
+    #[test]
+    fn solves_what_a_dense_factorisation_solves() {
+        for (size, half_bandwidth) in [(1, 0), (3, 1), (4, 7), (9, 2), (23, 6), (50, 28), (61, 86)]
+        {
+            let (mut band, dense) = random(size, half_bandwidth);
+            let mut rhs: Vec<[f64; 3]> =
+                (0..size).map(|i| [i as f64, 1.0, (i as f64).sin()]).collect();
+            let columns = DMatrix::from_fn(size, 3, |i, j| rhs[i][j]);
+            let expected = dense.cholesky().unwrap().solve(&columns);
+            band.factor().unwrap();
+            band.solve(&mut rhs);
+            for (i, row) in rhs.iter().enumerate() {
+                for j in 0..3 {
+                    assert!((row[j] - expected[(i, j)]).abs() < 1e-11, "{size} {half_bandwidth}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_undetermined_unknown_is_named() {
+        // A path graph's Laplacian without an anchor: rows sum to zero.
+        let mut band = BandMatrix::new(7, 1);
+        for row in 0..7 {
+            band.add(row, row, if row == 0 || row == 6 { 1.0 } else { 2.0 });
+            if row > 0 {
+                band.add(row, row - 1, -1.0);
+            }
+        }
+        assert_eq!(band.factor(), Err(NotPositiveDefinite { row: 6 }));
+        band.clear();
+        band.add(0, 0, f64::NAN);
+        assert_eq!(band.factor(), Err(NotPositiveDefinite { row: 0 }));
+    }
+}

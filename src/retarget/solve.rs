@@ -1,0 +1,587 @@
+//! The solve itself: assemble, factor, iterate.
+
+use std::sync::Arc;
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::band::BandMatrix;
+use super::implicit::Similarity;
+use super::rotations::best_rotation;
+use super::settings::{Constraint, RetargetSettings, SettingsError, Start, Transform};
+use super::system::Pattern;
+use crate::geometry::{Point, Vector, is_finite, rigid_alignment};
+use crate::mesh::{InteractionMesh, Topology};
+
+/// Why a retargeting could not be set up or solved. Joints count over both people.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RetargetError {
+    /// A setting is outside its bounds.
+    #[error(transparent)]
+    Settings(#[from] SettingsError),
+    /// Constraints, targets or lengths do not fit the mesh.
+    #[error("{what}: {got} given, {expected} expected")]
+    Shape {
+        /// What does not fit.
+        what: &'static str,
+        /// How many are expected.
+        expected: usize,
+        /// How many were given.
+        got: usize,
+    },
+    /// A soft constraint's weight is not a positive number.
+    #[error("frame {frame}, joint {joint}: constraint weight {weight} must be finite and > 0")]
+    Weight {
+        /// The frame, counted from 0.
+        frame: usize,
+        /// The joint.
+        joint: usize,
+        /// The weight at fault.
+        weight: f64,
+    },
+    /// A known joint's target, or a bone's length, is NaN or infinite.
+    #[error("frame {frame}, joint {joint}: target is not finite")]
+    NotFinite {
+        /// The frame, counted from 0.
+        frame: usize,
+        /// The joint.
+        joint: usize,
+    },
+    /// A bone's length is not a positive number.
+    #[error("bone {bone}: length {length} must be finite and > 0")]
+    Length {
+        /// The bone, in [`crate::mesh::Pair::bones`] order.
+        bone: usize,
+        /// Its length `[m]`.
+        length: f64,
+    },
+    /// The known joints do not determine where this one is.
+    #[error("frame {frame}, joint {joint}: nothing known holds it in place")]
+    Unanchored {
+        /// The frame, counted from 0.
+        frame: usize,
+        /// The joint.
+        joint: usize,
+    },
+}
+
+/// What a solve left over.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Residual {
+    /// Steps taken.
+    pub steps: usize,
+    /// The farthest any coordinate moved in the last step `[m]`.
+    pub last_step: f64,
+    /// The farthest any solved bone is from its length `[m]`.
+    pub bones: f64,
+}
+
+/// Who is known, in which mesh, with which settings: immutable, shared between threads.
+///
+/// ```
+/// use std::sync::Arc;
+/// use handover_mesh::{mesh::*, retarget::*, Point, Role, Skeleton};
+/// let skeleton = Skeleton::nite();
+/// let pair = Arc::new(Pair::new([skeleton.clone(), skeleton.clone()]));
+/// let pose: Vec<Point> =
+///     (0..30).map(|i| f64::from(i)).map(|i| Point::new(i.sin(), (2.0 * i).cos(), 0.1 * i)).collect();
+/// let topology = Arc::new(Topology::initial(pair.clone(), &pose, InitialEdges::BothPeople)?);
+/// let weights = EdgeWeights::by_kernel(&topology, &pose, Kernel::Uniform, 1.0);
+/// let mesh = InteractionMesh::new(topology.clone(), pose.clone(), weights)?;
+///
+/// // The first person is known, the second solved for.
+/// let constraints: Vec<Constraint> =
+///     (0..30).map(|i| if i < 15 { Constraint::Fixed } else { Constraint::Free }).collect();
+/// let retargeter = Retargeter::new(topology, &constraints, RetargetSettings::default())?;
+/// let mut workspace = retargeter.workspace();
+/// retargeter.assemble(&mesh, &mut workspace)?;
+/// retargeter.factor(&mut workspace)?;
+/// let lengths: Vec<f64> =
+///     pair.bones().map(|[a, b]| (pose[a.index()] - pose[b.index()]).norm()).collect();
+/// let mut solved = pose.clone();
+/// retargeter.solve(&mesh, &pose, &lengths, &mut workspace, &mut solved)?;
+/// assert!(solved.iter().zip(&pose).all(|(a, b)| (a - b).norm() < 1e-9));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Retargeter {
+    pattern: Pattern,
+    settings: RetargetSettings,
+}
+
+/// What changes with every solve; may be dropped at any time.
+#[derive(Debug, Clone)]
+pub struct Workspace {
+    /// `none`, `local_global`: one number per entry of the rows, `1` or `−w̄`.
+    coefficients: Vec<f64>,
+    /// `implicit`: one block per entry.
+    blocks: Vec<Matrix3<f64>>,
+    matrix: BandMatrix,
+    /// The right-hand side's part that stays over the steps, per unknown.
+    constant: Vec<Vector>,
+    rhs: Vec<Vector>,
+    /// `x y z 0` per unknown: four lanes fill a vector register.
+    columns: Vec<[f64; 4]>,
+    /// `implicit`: the unknowns' coordinates one after another.
+    stacked: Vec<[f64; 1]>,
+    /// The demonstration where the first iterate stands.
+    reference: Vec<Point>,
+    rotations: Vec<Matrix3<f64>>,
+    /// `local_global`: `Σⱼ w̄ᵢⱼ‖eᵢⱼ‖²`.
+    sizes: Vec<f64>,
+}
+
+impl Retargeter {
+    /// Lays out the system.
+    ///
+    /// - `constraints`: one per space-time vertex, `frames × vertices`.
+    ///
+    /// # Errors
+    /// [`RetargetError`] on settings out of bounds, constraints that are not whole frames, or a
+    /// weight that is not positive.
+    pub fn new(
+        topology: Arc<Topology>,
+        constraints: &[Constraint],
+        settings: RetargetSettings,
+    ) -> Result<Self, RetargetError> {
+        settings.check()?;
+        let vertices = topology.pair().len();
+        if constraints.is_empty() || !constraints.len().is_multiple_of(vertices) {
+            let expected = constraints.len().next_multiple_of(vertices).max(vertices);
+            return Err(RetargetError::Shape {
+                what: "constraints",
+                expected,
+                got: constraints.len(),
+            });
+        }
+        for (vertex, constraint) in constraints.iter().enumerate() {
+            if let Constraint::Soft(weight) = *constraint
+                && !(weight.is_finite() && weight > 0.0)
+            {
+                let (frame, joint) = (vertex / vertices, vertex % vertices);
+                return Err(RetargetError::Weight { frame, joint, weight });
+            }
+        }
+        Ok(Self { pattern: Pattern::new(topology, constraints, settings.transform), settings })
+    }
+
+    /// The settings it was made with.
+    pub fn settings(&self) -> &RetargetSettings {
+        &self.settings
+    }
+
+    /// Room for solves; everything later works inside it without allocating.
+    pub fn workspace(&self) -> Workspace {
+        let (entries, unknowns) = (self.pattern.entries(), self.pattern.unknown_count);
+        let vertices = self.pattern.constraints.len();
+        let (axes, scalars, blocks, turning) = match self.settings.transform {
+            Transform::None => (1, entries, 0, 0),
+            Transform::Implicit => (3, entries, entries, 0),
+            Transform::LocalGlobal => (1, entries, 0, vertices),
+        };
+        Workspace {
+            coefficients: vec![0.0; scalars],
+            blocks: vec![Matrix3::zeros(); blocks],
+            matrix: self.pattern.matrix(axes),
+            constant: vec![Vector::zeros(); unknowns],
+            rhs: vec![Vector::zeros(); unknowns],
+            columns: vec![[0.0; 4]; if axes == 1 { unknowns } else { 0 }],
+            stacked: vec![[0.0; 1]; if axes == 3 { 3 * unknowns } else { 0 }],
+            reference: vec![Point::origin(); vertices],
+            rotations: vec![Matrix3::identity(); turning],
+            sizes: vec![0.0; turning],
+        }
+    }
+
+    /// Fills the normal equations for a mesh: `w_l LᵀL`, constraints and bones.
+    ///
+    /// # Errors
+    /// [`RetargetError::Shape`] if the mesh has other frames.
+    /// # Panics
+    /// If the mesh has another topology: the caller's bug.
+    pub fn assemble(
+        &self,
+        mesh: &InteractionMesh,
+        workspace: &mut Workspace,
+    ) -> Result<(), RetargetError> {
+        self.check_mesh(mesh)?;
+        let (pattern, settings) = (&self.pattern, &self.settings);
+        self.fill_coefficients(mesh, &mut workspace.coefficients);
+        let Workspace { coefficients, blocks, matrix, .. } = workspace;
+        matrix.clear();
+        let axes = match settings.transform {
+            Transform::None => {
+                pattern.add_scalar_rows(matrix, coefficients, settings.laplacian_weight);
+                1
+            }
+            Transform::Implicit => {
+                self.fill_blocks(mesh, coefficients, blocks);
+                pattern.add_block_rows(matrix, blocks, settings.laplacian_weight);
+                3
+            }
+            Transform::LocalGlobal => {
+                pattern.add_edges(matrix, coefficients, settings.laplacian_weight);
+                1
+            }
+        };
+        pattern.add_constraints(matrix, axes, settings.known_weight, settings.bone_weight);
+        Ok(())
+    }
+
+    /// Factors the assembled system; it serves any number of [`Self::solve`] calls.
+    ///
+    /// # Errors
+    /// [`RetargetError::Unanchored`] names a joint that nothing known determines.
+    pub fn factor(&self, workspace: &mut Workspace) -> Result<(), RetargetError> {
+        workspace.matrix.factor().map_err(|undetermined| {
+            let axes = if self.settings.transform == Transform::Implicit { 3 } else { 1 };
+            let vertex = self.pattern.vertex_of(undetermined.row / axes);
+            let (frame, joint) = self.place(vertex);
+            RetargetError::Unanchored { frame, joint }
+        })
+    }
+
+    /// Finds the positions that keep the mesh best.
+    ///
+    /// - `targets`: `[m]`, `frames × vertices`; read where a joint is soft or fixed.
+    /// - `lengths`: `[m]`, one per bone in [`crate::mesh::Pair::bones`] order.
+    /// - `out`: `[m]`, `frames × vertices`, overwritten; fixed joints are their targets.
+    ///
+    /// # Errors
+    /// [`RetargetError`] on shapes, targets that are not finite, lengths that are not positive.
+    pub fn solve(
+        &self,
+        mesh: &InteractionMesh,
+        targets: &[Point],
+        lengths: &[f64],
+        workspace: &mut Workspace,
+        out: &mut [Point],
+    ) -> Result<Residual, RetargetError> {
+        self.check_mesh(mesh)?;
+        self.check_inputs(targets, lengths, out.len())?;
+        self.place_reference(mesh, targets, &mut workspace.reference);
+        out.copy_from_slice(&workspace.reference);
+        for (vertex, constraint) in self.pattern.constraints.iter().enumerate() {
+            if *constraint == Constraint::Fixed {
+                out[vertex] = targets[vertex];
+            }
+        }
+        workspace.constant.fill(Vector::zeros());
+        self.pull_of_targets(targets, &mut workspace.constant);
+        match self.settings.transform {
+            Transform::None => self.pull_of_scalar_rows(mesh, targets, workspace),
+            Transform::Implicit => self.pull_of_block_rows(targets, workspace),
+            Transform::LocalGlobal => self.reset_rotations(workspace),
+        }
+        let mut residual = Residual { steps: 0, last_step: f64::INFINITY, bones: 0.0 };
+        while residual.steps < self.settings.steps && residual.last_step > self.settings.tolerance {
+            residual.last_step = self.step(lengths, workspace, out);
+            residual.steps += 1;
+        }
+        residual.bones = self.bone_error(lengths, out);
+        Ok(residual)
+    }
+
+    /// One linear solve with the bones (and rotations) of the last iterate; how far it moved.
+    fn step(&self, lengths: &[f64], workspace: &mut Workspace, out: &mut [Point]) -> f64 {
+        let Workspace { rhs, constant, .. } = &mut *workspace;
+        rhs.copy_from_slice(constant);
+        if self.settings.transform == Transform::LocalGlobal {
+            self.turn(workspace, out);
+        }
+        let Workspace { matrix, rhs, columns, stacked, .. } = workspace;
+        let bone_weight = self.settings.bone_weight;
+        self.pattern.bone_pull(out, lengths, bone_weight, |at, pull| rhs[at] += pull);
+        if stacked.is_empty() {
+            for (column, pull) in columns.iter_mut().zip(&*rhs) {
+                *column = [pull.x, pull.y, pull.z, 0.0];
+            }
+            matrix.solve(columns);
+        } else {
+            for (values, pull) in stacked.chunks_exact_mut(3).zip(&*rhs) {
+                values.iter_mut().zip(pull.iter()).for_each(|(value, pull)| value[0] = *pull);
+            }
+            matrix.solve(stacked);
+        }
+        let mut farthest = 0.0f64;
+        for (vertex, point) in out.iter_mut().enumerate() {
+            let Some(at) = self.pattern.unknown(vertex) else { continue };
+            let place = if stacked.is_empty() {
+                Vector3::new(columns[at][0], columns[at][1], columns[at][2])
+            } else {
+                Vector3::new(stacked[3 * at][0], stacked[3 * at + 1][0], stacked[3 * at + 2][0])
+            };
+            farthest = farthest.max((place - point.coords).amax());
+            point.coords = place;
+        }
+        farthest
+    }
+
+    fn place(&self, vertex: usize) -> (usize, usize) {
+        let vertices = self.pattern.topology.pair().len();
+        (vertex / vertices, vertex % vertices)
+    }
+
+    fn check_mesh(&self, mesh: &InteractionMesh) -> Result<(), RetargetError> {
+        let (ours, theirs) = (&self.pattern.topology, mesh.topology());
+        assert!(Arc::ptr_eq(ours, theirs) || ours == theirs, "the mesh has another topology");
+        check_count("mesh positions", self.pattern.constraints.len(), mesh.positions().len())
+    }
+
+    fn check_inputs(
+        &self,
+        targets: &[Point],
+        lengths: &[f64],
+        out: usize,
+    ) -> Result<(), RetargetError> {
+        let constraints = &self.pattern.constraints;
+        check_count("targets", constraints.len(), targets.len())?;
+        check_count("bone lengths", self.pattern.topology.pair().bones().count(), lengths.len())?;
+        check_count("output positions", constraints.len(), out)?;
+        let known = constraints.iter().zip(targets).enumerate();
+        for (vertex, (constraint, target)) in known {
+            if *constraint != Constraint::Free && !is_finite(target) {
+                let (frame, joint) = self.place(vertex);
+                return Err(RetargetError::NotFinite { frame, joint });
+            }
+        }
+        match lengths.iter().position(|length| !(length.is_finite() && *length > 0.0)) {
+            Some(bone) => Err(RetargetError::Length { bone, length: lengths[bone] }),
+            None => Ok(()),
+        }
+    }
+
+    /// `1` for the vertex itself, `−w̄` for its neighbours.
+    fn fill_coefficients(&self, mesh: &InteractionMesh, coefficients: &mut [f64]) {
+        for vertex in 0..self.pattern.constraints.len() {
+            let mut row = self.pattern.row(vertex);
+            mesh.for_each_neighbour(vertex, |neighbour, weight| {
+                for (entry, column) in row.by_ref() {
+                    if column == neighbour {
+                        coefficients[entry] = -weight;
+                        break;
+                    }
+                    coefficients[entry] = 1.0;
+                }
+            });
+            for (entry, _) in row {
+                coefficients[entry] = 1.0;
+            }
+        }
+    }
+
+    /// `I − T` for the vertex itself, `−w̄ I − T` for its neighbours.
+    fn fill_blocks(
+        &self,
+        mesh: &InteractionMesh,
+        coefficients: &[f64],
+        blocks: &mut [Matrix3<f64>],
+    ) {
+        let positions = mesh.positions();
+        for vertex in 0..self.pattern.constraints.len() {
+            let row = || {
+                self.pattern.row(vertex).map(|(entry, column)| {
+                    // |1| for the centre, |−w̄| for the rest: the rows' squared weights.
+                    (entry, positions[column] - positions[vertex], coefficients[entry].abs())
+                })
+            };
+            let (sum, weights) = row().fold((Vector::zeros(), 0.0), |(sum, weights), (_, p, w)| {
+                (sum + w * p, weights + w)
+            });
+            let centroid = sum / weights;
+            // Σ w̄ is 1 over the neighbours, so δ is minus the weighted sum from the centre.
+            let similarity = Similarity::new(row().map(|(_, p, w)| (p - centroid, w)), -sum);
+            for (entry, p, weight) in row() {
+                blocks[entry] = Matrix3::identity() * coefficients[entry]
+                    - similarity.block(p - centroid, weight);
+            }
+        }
+    }
+
+    fn place_reference(&self, mesh: &InteractionMesh, targets: &[Point], reference: &mut [Point]) {
+        reference.copy_from_slice(mesh.positions());
+        if self.settings.start == Start::Aligned {
+            let known = self.pattern.constraints.iter().zip(mesh.positions()).zip(targets);
+            let known = known.filter(|((constraint, _), _)| **constraint != Constraint::Free);
+            let target_from_mesh = rigid_alignment(known.map(|((_, from), to)| (from, to)));
+            reference.iter_mut().for_each(|p| *p = target_from_mesh * *p);
+        }
+    }
+
+    fn pull_of_targets(&self, targets: &[Point], pull: &mut [Vector]) {
+        for (vertex, constraint) in self.pattern.constraints.iter().enumerate() {
+            if let (Constraint::Soft(weight), Some(at)) = (constraint, self.pattern.unknown(vertex))
+            {
+                pull[at] += self.settings.known_weight * weight * targets[vertex].coords;
+            }
+        }
+    }
+
+    /// `Lᵀ (δ − L_K v_K)`.
+    fn pull_of_scalar_rows(
+        &self,
+        mesh: &InteractionMesh,
+        targets: &[Point],
+        workspace: &mut Workspace,
+    ) {
+        let Workspace { coefficients, constant, .. } = workspace;
+        for vertex in 0..self.pattern.constraints.len() {
+            let mut open = Vector::zeros();
+            for (entry, column) in self.pattern.row(vertex) {
+                let place = match self.pattern.unknown(column) {
+                    Some(_) => mesh.positions()[column].coords,
+                    None => mesh.positions()[column] - targets[column],
+                };
+                open += coefficients[entry] * place;
+            }
+            for (entry, column) in self.pattern.row(vertex) {
+                if let Some(at) = self.pattern.unknown(column) {
+                    constant[at] += self.settings.laplacian_weight * coefficients[entry] * open;
+                }
+            }
+        }
+    }
+
+    /// `Lᵀ (0 − L_K v_K)` with the blocks of `L − T`.
+    fn pull_of_block_rows(&self, targets: &[Point], workspace: &mut Workspace) {
+        let Workspace { blocks, constant, .. } = workspace;
+        for vertex in 0..self.pattern.constraints.len() {
+            let mut open = Vector::zeros();
+            for (entry, column) in self.pattern.row(vertex) {
+                if self.pattern.unknown(column).is_none() {
+                    open -= blocks[entry] * targets[column].coords;
+                }
+            }
+            for (entry, column) in self.pattern.row(vertex) {
+                if let Some(at) = self.pattern.unknown(column) {
+                    constant[at] += self.settings.laplacian_weight * blocks[entry].tr_mul(&open);
+                }
+            }
+        }
+    }
+
+    fn reset_rotations(&self, workspace: &mut Workspace) {
+        let Workspace { coefficients, rotations, sizes, reference, .. } = workspace;
+        rotations.fill(Matrix3::identity());
+        for (vertex, size) in sizes.iter_mut().enumerate() {
+            let edges = self.pattern.row(vertex).filter(|(_, column)| *column != vertex);
+            *size = edges
+                .map(|(entry, column)| {
+                    -coefficients[entry] * (reference[vertex] - reference[column]).norm_squared()
+                })
+                .sum();
+        }
+    }
+
+    /// The local step: every neighbourhood's rotation, and its pull on the next solve.
+    fn turn(&self, workspace: &mut Workspace, positions: &[Point]) {
+        let Workspace { coefficients, rotations, sizes, reference, rhs, .. } = workspace;
+        let memory = self.settings.rotation_memory;
+        for (vertex, rotation) in rotations.iter_mut().enumerate() {
+            let edges = || {
+                self.pattern.row(vertex).filter(|(_, column)| *column != vertex).map(
+                    |(entry, column)| {
+                        (column, -coefficients[entry], reference[vertex] - reference[column])
+                    },
+                )
+            };
+            let mut covariance = *rotation * (memory * sizes[vertex]);
+            for (column, weight, edge) in edges() {
+                let turned = positions[vertex] - positions[column];
+                covariance += turned * (weight * edge).transpose();
+            }
+            *rotation = best_rotation(&covariance, rotation);
+            let own = self.pattern.unknown(vertex);
+            for (column, weight, edge) in edges() {
+                let (turned, other) = (*rotation * edge, self.pattern.unknown(column));
+                let weight = self.settings.laplacian_weight * weight;
+                if let Some(at) = own {
+                    let known = other.map_or(positions[column].coords, |_| Vector::zeros());
+                    rhs[at] += weight * (turned + known);
+                }
+                if let Some(at) = other {
+                    let known = own.map_or(positions[vertex].coords, |_| Vector::zeros());
+                    rhs[at] += weight * (known - turned);
+                }
+            }
+        }
+    }
+
+    fn bone_error(&self, lengths: &[f64], positions: &[Point]) -> f64 {
+        let bones = self.pattern.bones.iter().map(|[parent, child, bone]| {
+            let along = positions[*child as usize] - positions[*parent as usize];
+            (along.norm() - lengths[*bone as usize]).abs()
+        });
+        bones.fold(0.0, f64::max)
+    }
+
+    /// The energy `[m²]` of `positions` with true bones: what the steps bring down.
+    ///
+    /// Takes the coefficients and, for `local_global`, the rotations of the last
+    /// [`Self::assemble`] and [`Self::solve`] in `workspace`. Soft constraints and open bones
+    /// count, bones between fixed joints do not.
+    ///
+    /// # Panics
+    /// If shapes do not fit: the caller's bug.
+    pub fn energy(
+        &self,
+        mesh: &InteractionMesh,
+        targets: &[Point],
+        lengths: &[f64],
+        workspace: &Workspace,
+        positions: &[Point],
+    ) -> f64 {
+        let mut laplacian = 0.0;
+        for vertex in 0..self.pattern.constraints.len() {
+            let row = self.pattern.row(vertex);
+            laplacian += match self.settings.transform {
+                Transform::None => {
+                    let apply = |v: &[Point]| -> Vector {
+                        self.pattern
+                            .row(vertex)
+                            .map(|(e, c)| workspace.coefficients[e] * v[c].coords)
+                            .sum()
+                    };
+                    (apply(positions) - apply(mesh.positions())).norm_squared()
+                }
+                Transform::Implicit => {
+                    let off: Vector =
+                        row.map(|(e, c)| workspace.blocks[e] * positions[c].coords).sum();
+                    off.norm_squared()
+                }
+                Transform::LocalGlobal => row
+                    .filter(|(_, column)| *column != vertex)
+                    .map(|(entry, column)| {
+                        let edge = workspace.reference[vertex] - workspace.reference[column];
+                        let off = positions[vertex]
+                            - positions[column]
+                            - workspace.rotations[vertex] * edge;
+                        -workspace.coefficients[entry] * off.norm_squared()
+                    })
+                    .sum(),
+            };
+        }
+        let constraints = self.pattern.constraints.iter().zip(targets).zip(positions);
+        let known: f64 = constraints
+            .map(|((constraint, target), position)| match constraint {
+                Constraint::Soft(weight) => weight * (position - target).norm_squared(),
+                Constraint::Free | Constraint::Fixed => 0.0,
+            })
+            .sum();
+        let bones: f64 = self
+            .pattern
+            .bones
+            .iter()
+            .map(|[parent, child, bone]| {
+                let along = positions[*child as usize] - positions[*parent as usize];
+                (along.norm() - lengths[*bone as usize]).powi(2)
+            })
+            .sum();
+        self.settings.laplacian_weight * laplacian
+            + self.settings.known_weight * known
+            + self.settings.bone_weight * bones
+    }
+}
+
+fn check_count(what: &'static str, expected: usize, got: usize) -> Result<(), RetargetError> {
+    if got == expected { Ok(()) } else { Err(RetargetError::Shape { what, expected, got }) }
+}
