@@ -6,7 +6,7 @@
 use super::aligned::Alignment;
 use crate::demonstration::Observation;
 use crate::geometry::{Point, Vector};
-use crate::kinematics::two_bone;
+use crate::kinematics::{minimum_jerk, two_bone};
 use crate::skeleton::Part;
 
 /// - `gap`: robot's hand minus partner's `[m]`, in the partner's heading frame.
@@ -49,9 +49,4 @@ pub(super) fn predict(
         pose[hand.index()] = arm.end;
     }
     predicted
-}
-
-/// From 0 to 1 with no velocity or acceleration at either end (Flash & Hogan 1985).
-fn minimum_jerk(part: f64) -> f64 {
-    part.powi(3) * (10.0 - 15.0 * part + 6.0 * part * part)
 }
