@@ -28,7 +28,8 @@ pub enum Reason {
     /// The first line is that of no known format.
     #[error(
         "neither CSV (header '{}') nor SBU text (91 numbers with commas between): the file starts \
-         with '{start}'", super::csv::HEADER
+         with '{start}'",
+        super::csv::HEADER
     )]
     UnknownFormat {
         /// The beginning of the first line that is not blank.

@@ -10,8 +10,7 @@ const NANOSECONDS_PER_SECOND: i128 = 1_000_000_000;
 /// A frame's number. `name` is only asked for if there is something wrong.
 pub(super) fn frame_number(text: &str, name: impl FnOnce() -> String) -> Result<u64, Reason> {
     let text = text.trim();
-    text.parse()
-        .map_err(|_| Reason::NotAFrameNumber { field: name(), value: shortened(text) })
+    text.parse().map_err(|_| Reason::NotAFrameNumber { field: name(), value: shortened(text) })
 }
 
 /// A finite number.
@@ -26,7 +25,11 @@ pub(super) fn number(text: &str, name: impl FnOnce() -> String) -> Result<f64, R
 
 /// `metres`, if a room can be that large.
 pub(super) fn within_reach(metres: f64, name: impl FnOnce() -> String) -> Result<f64, Reason> {
-    if metres.abs() <= FARTHEST { Ok(metres) } else { Err(Reason::TooFar { field: name(), metres }) }
+    if metres.abs() <= FARTHEST {
+        Ok(metres)
+    } else {
+        Err(Reason::TooFar { field: name(), metres })
+    }
 }
 
 /// Seconds as a stamp: exact for plain decimals with up to nine places, else the nearest.
@@ -59,7 +62,8 @@ fn plain_decimal(text: &str) -> Option<Stamp> {
 /// The shortest decimal that [`stamp`] reads back as the same stamp.
 pub(super) fn stamp_text(stamp: Stamp) -> String {
     let sign = if stamp.0 < 0 { "-" } else { "" };
-    let (whole, part) = (stamp.0.unsigned_abs() / 1_000_000_000, stamp.0.unsigned_abs() % 1_000_000_000);
+    let (whole, part) =
+        (stamp.0.unsigned_abs() / 1_000_000_000, stamp.0.unsigned_abs() % 1_000_000_000);
     if part == 0 {
         return format!("{sign}{whole}");
     }
@@ -73,7 +77,9 @@ mod tests {
 
     #[test]
     fn stamps_survive_their_text() {
-        for ns in [0, 1, -1, 33_333_333, -1_500_000_000, 1_700_000_000_123_456_789, i64::MAX, i64::MIN] {
+        for ns in
+            [0, 1, -1, 33_333_333, -1_500_000_000, 1_700_000_000_123_456_789, i64::MAX, i64::MIN]
+        {
             assert_eq!(stamp(&stamp_text(Stamp(ns)), String::new), Ok(Stamp(ns)), "{ns}");
         }
         assert_eq!(stamp_text(Stamp(-500_000_000)), "-0.5");

@@ -37,9 +37,7 @@ pub(super) fn recording(
     if !violations.none() {
         return None;
     }
-    finish(name, table, people, frames, metadata)
-        .map_err(|reason| violations.add(1, reason))
-        .ok()
+    finish(name, table, people, frames, metadata).map_err(|reason| violations.add(1, reason)).ok()
 }
 
 /// Notes times that do not rise and, if all do, where the rate changes.

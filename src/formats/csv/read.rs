@@ -18,7 +18,8 @@ pub fn read(bytes: &[u8], name: &str, up: UpAxis) -> Result<Recording, ReadError
     let mut violations = Violations::default();
     let table = Table::read(bytes, up, &mut violations);
     if table.frames.is_empty() && violations.none() {
-        violations.add(1, if bytes.trim_ascii().is_empty() { Reason::Empty } else { Reason::NoFrames });
+        violations
+            .add(1, if bytes.trim_ascii().is_empty() { Reason::Empty } else { Reason::NoFrames });
     }
     let recording = assemble::recording(name, &table, metadata(bytes), &mut violations);
     violations.or(recording)
