@@ -185,6 +185,12 @@ impl Recording {
         Self { name: name.into(), ..self }
     }
 
+    /// The recording with these words about the clip added; of a key it has, the new ones count.
+    pub fn with_metadata(mut self, more: BTreeMap<String, String>) -> Self {
+        self.metadata.extend(more);
+        self
+    }
+
     /// Both people and the object seen from another frame.
     pub fn transformed(&self, world_from_here: &Isometry) -> Self {
         let mut moved = self.clone();

@@ -1,0 +1,151 @@
+//! `handover check`: what files hold and what is wrong with them.
+
+use std::fmt::Write as _;
+
+use handover_mesh::formats::rate;
+use handover_mesh::{JointId, Part, Recording, Role, Side};
+use serde_json::{Value, json};
+
+use crate::Outcome;
+use crate::args::Check;
+use crate::files::{self, Fault, Loaded, ReadFile};
+use crate::output::Output;
+
+/// Reads all files and says what is in each.
+pub(crate) fn run(check: &Check, output: &Output) -> anyhow::Result<Outcome> {
+    let files = files::read_all(&check.files, &check.selection, output)?;
+    output.result(
+        || files.iter().map(text).collect(),
+        || json!({ "files": files.iter().map(value).collect::<Vec<_>>() }),
+    )?;
+    let bad = files.iter().filter(|file| file.outcome.is_err()).count();
+    if bad > 0 {
+        output.note(&format!("{bad} of {} files are bad", files.len()));
+    }
+    Ok(match bad {
+        0 => Outcome::Done,
+        bad if bad == files.len() => Outcome::Failed,
+        _ => Outcome::Loss,
+    })
+}
+
+/// The two hands that come nearest each other, and when.
+struct Closest {
+    distance: f64,
+    frame: usize,
+    seconds: f64,
+    hands: [String; 2],
+}
+
+fn closest_hands(recording: &Recording) -> Option<Closest> {
+    let mut closest: Option<Closest> = None;
+    let hands = |role| {
+        let skeleton = recording.person(role).motion.skeleton();
+        Side::BOTH.into_iter().filter_map(|side| skeleton.part(Part::Hand(side)))
+    };
+    let named = |role: Role, joint: JointId| {
+        let person = recording.person(role);
+        format!("{}/{}", person.name, person.motion.skeleton().name(joint))
+    };
+    for (frame, stamp) in recording.stamps().enumerate() {
+        for first in hands(Role::First) {
+            for second in hands(Role::Second) {
+                let of = |role, joint| recording.person(role).motion.position(frame, joint);
+                let distance = (of(Role::First, first) - of(Role::Second, second)).norm();
+                if closest.as_ref().is_none_or(|closest| distance < closest.distance) {
+                    let hands = [named(Role::First, first), named(Role::Second, second)];
+                    closest = Some(Closest { distance, frame, seconds: stamp.seconds(), hands });
+                }
+            }
+        }
+    }
+    closest
+}
+
+/// First to last frame, in seconds.
+fn duration(recording: &Recording) -> f64 {
+    let mut stamps = recording.stamps();
+    let first = stamps.next();
+    first.zip(stamps.last()).map_or(0.0, |(first, last)| (last - first).seconds())
+}
+
+fn text(file: &ReadFile) -> String {
+    let path = file.path.display();
+    let Loaded { recording, format } = match &file.outcome {
+        Ok(loaded) => loaded,
+        Err(faults) => {
+            let lines = faults.iter().map(|fault| format!("  {}\n", fault.text()));
+            return format!("{path}: BAD\n{}", lines.collect::<String>());
+        }
+    };
+    let people = recording
+        .people()
+        .each_ref()
+        .map(|person| format!("{} ({} joints)", person.name, person.motion.skeleton().len()));
+    let hz = rate(recording.stamps()).map_or("no rate".into(), |hz| format!("{hz:.1} Hz"));
+    let mut text = format!(
+        "{path}: {format}, {}, {} frames, {hz}, {:.2} s",
+        people.join(" and "),
+        recording.len(),
+        duration(recording),
+    );
+    // Writing to a String cannot fail.
+    if let Some(object) = recording.object() {
+        let _ = write!(text, ", object '{}' in {} frames", object.name, object.places.len());
+    }
+    text.push('\n');
+    if let Some(Closest { distance, frame, seconds, hands: [first, second] }) =
+        closest_hands(recording)
+    {
+        let _ = writeln!(
+            text,
+            "  hands closest: {distance:.3} m, {first} and {second}, at {seconds:.3} s \
+             (frame {frame})"
+        );
+    }
+    if !recording.metadata().is_empty() {
+        let known = recording.metadata().iter().map(|(key, value)| format!("{key}={value}"));
+        let _ = writeln!(text, "  {}", known.collect::<Vec<_>>().join(", "));
+    }
+    text
+}
+
+fn value(file: &ReadFile) -> Value {
+    let path = file.path.display().to_string();
+    let Loaded { recording, format } = match &file.outcome {
+        Ok(loaded) => loaded,
+        Err(faults) => {
+            let errors: Vec<_> = faults.iter().map(Fault::json).collect();
+            return json!({ "file": path, "good": false, "errors": errors });
+        }
+    };
+    let people = recording
+        .people()
+        .iter()
+        .map(|person| json!({ "name": person.name, "joints": person.motion.skeleton().names() }));
+    let object = recording
+        .object()
+        .map(|object| json!({ "name": object.name, "frames": object.places.len() }));
+    let closest = closest_hands(recording).map(|closest| {
+        json!({
+            "distance_m": closest.distance,
+            "frame": closest.frame,
+            "time_s": closest.seconds,
+            "hands": closest.hands,
+        })
+    });
+    json!({
+        "file": path,
+        "good": true,
+        "errors": [],
+        "name": recording.name(),
+        "format": format.to_string(),
+        "people": people.collect::<Vec<_>>(),
+        "frames": recording.len(),
+        "rate_hz": rate(recording.stamps()),
+        "duration_s": duration(recording),
+        "object": object,
+        "closest_hands": closest,
+        "metadata": recording.metadata(),
+    })
+}

@@ -1,0 +1,186 @@
+//! Files and folders named on the command line → recordings, and what could not be read.
+//!
+//! The order is that of the arguments, and within a folder that of names, whatever the threads do.
+
+mod names;
+mod search;
+
+use std::fs::File;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+
+use handover_mesh::Recording;
+use handover_mesh::formats::{self, Format, ReadError, csv};
+use rayon::prelude::*;
+
+use crate::args::Selection;
+use crate::output::Output;
+use crate::progress::Progress;
+use names::{Place, distinct_names};
+use search::Found;
+pub(crate) use search::about;
+
+/// No recording is as large; what claims to be must not fill the memory.
+const LARGEST: u64 = 1 << 29;
+
+/// A recording and where it comes from.
+#[derive(Debug)]
+pub(crate) struct Loaded {
+    pub(crate) recording: Recording,
+    pub(crate) format: Format,
+}
+
+/// What is wrong at one place of a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Fault {
+    /// Counted from 1; none where the whole file is meant.
+    pub(crate) line: Option<u64>,
+    pub(crate) reason: String,
+}
+
+/// A file and what came of reading it.
+#[derive(Debug)]
+pub(crate) struct ReadFile {
+    /// As the arguments lead to it.
+    pub(crate) path: PathBuf,
+    pub(crate) outcome: Result<Loaded, Vec<Fault>>,
+}
+
+/// A file that could not be read.
+#[derive(Debug)]
+pub(crate) struct BadFile {
+    pub(crate) path: PathBuf,
+    pub(crate) faults: Vec<Fault>,
+}
+
+/// Recordings to work with, and the files left out.
+#[derive(Debug)]
+pub(crate) struct Demonstrations {
+    /// Each under a name of its own.
+    pub(crate) recordings: Vec<Recording>,
+    pub(crate) bad: Vec<BadFile>,
+}
+
+/// Reads all recordings that the arguments name, keeping the good and the bad apart.
+///
+/// # Errors
+/// If a path does not exist or nothing was found there; a bad file is no error.
+#[allow(dead_code, reason = "for the commands that learn and evaluate")]
+pub(crate) fn load(
+    demos: &[PathBuf],
+    selection: &Selection,
+    output: &Output,
+) -> anyhow::Result<Demonstrations> {
+    let (mut recordings, mut bad) = (Vec::new(), Vec::new());
+    for ReadFile { path, outcome } in read_all(demos, selection, output)? {
+        match outcome {
+            Ok(loaded) => recordings.push(loaded.recording),
+            Err(faults) => bad.push(BadFile { path, faults }),
+        }
+    }
+    Ok(Demonstrations { recordings, bad })
+}
+
+/// Reads all recordings that the arguments name, one after another as they were found.
+///
+/// # Errors
+/// As [`load`].
+pub(crate) fn read_all(
+    arguments: &[PathBuf],
+    selection: &Selection,
+    output: &Output,
+) -> anyhow::Result<Vec<ReadFile>> {
+    let found = search::find(arguments, selection)?;
+    let progress = Progress::new(output, "reading", found.len());
+    let read: Vec<Option<(Place, ReadFile)>> = found
+        .into_par_iter()
+        .map(|found| {
+            let read = read_one(found, selection);
+            progress.step();
+            read
+        })
+        .collect();
+    drop(progress);
+    let (places, mut files): (Vec<Place>, Vec<ReadFile>) = read.into_iter().flatten().unzip();
+    if files.is_empty() {
+        let folders: Vec<_> = arguments.iter().map(|path| path.display().to_string()).collect();
+        anyhow::bail!(
+            "no recording (.csv, .txt) in {} is of the class asked for",
+            folders.join(", ")
+        );
+    }
+    for (file, name) in files.iter_mut().zip(distinct_names(places)) {
+        if let Ok(loaded) = &mut file.outcome {
+            loaded.recording = loaded.recording.clone().renamed(name);
+        }
+    }
+    Ok(files)
+}
+
+/// `None` if the file is not of the class asked for.
+fn read_one(found: Found, selection: &Selection) -> Option<(Place, ReadFile)> {
+    let Found { path, fault } = found;
+    let place = Place::of(&path);
+    let outcome = match fault.map_or_else(|| bytes(&path), |fault| Err(vec![fault])) {
+        Err(faults) => Err(faults),
+        Ok(bytes) => {
+            let metadata = csv::metadata(&bytes);
+            let class = place.class().or(metadata.get("class").map(String::as_str));
+            if selection.class.is_some() && class != selection.class.as_deref() {
+                return None;
+            }
+            parse(&bytes, &place, selection).map_err(|error| faults(&error))
+        }
+    };
+    Some((place, ReadFile { path, outcome }))
+}
+
+fn parse(bytes: &[u8], place: &Place, selection: &Selection) -> Result<Loaded, ReadError> {
+    let format = formats::detect(bytes)?;
+    let recording = formats::read(bytes, &place.name(0), selection.up_axis())?;
+    let recording = recording.with_metadata(place.metadata());
+    Ok(Loaded { recording, format })
+}
+
+fn bytes(path: &Path) -> Result<Vec<u8>, Vec<Fault>> {
+    let mut bytes = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(LARGEST + 1).read_to_end(&mut bytes));
+    match read {
+        Ok(count) if count as u64 > LARGEST => {
+            Err(Fault::of_file(format!("larger than {} MiB", LARGEST >> 20)))
+        }
+        Ok(_) => Ok(bytes),
+        Err(error) => Err(Fault::of_file(format!("cannot be read: {error}"))),
+    }
+    .map_err(|fault| vec![fault])
+}
+
+fn faults(error: &ReadError) -> Vec<Fault> {
+    let each = error.violations().iter();
+    let mut faults: Vec<Fault> = each
+        .map(|violation| Fault { line: Some(violation.line), reason: violation.reason.to_string() })
+        .collect();
+    if error.more() > 0 {
+        faults.push(Fault::of_file(format!("... and {} more", error.more())));
+    }
+    faults
+}
+
+impl Fault {
+    fn of_file(reason: String) -> Self {
+        Self { line: None, reason }
+    }
+
+    /// `line 3: reason`.
+    pub(crate) fn text(&self) -> String {
+        match self.line {
+            Some(line) => format!("line {line}: {}", self.reason),
+            None => self.reason.clone(),
+        }
+    }
+
+    /// `{"line", "reason"}`, the line null where the whole file is meant.
+    pub(crate) fn json(&self) -> serde_json::Value {
+        serde_json::json!({ "line": self.line, "reason": self.reason })
+    }
+}

@@ -1,0 +1,96 @@
+//! Arguments → files, in a fixed order.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+
+use super::Fault;
+use crate::args::Selection;
+
+/// Endings of files that may be recordings.
+const ENDINGS: [&str; 2] = ["csv", "txt"];
+/// No tree of recordings is as deep.
+const DEEPEST: usize = 64;
+
+/// A file to read, or a place that could not be looked at.
+#[derive(Debug)]
+pub(super) struct Found {
+    pub(super) path: PathBuf,
+    pub(super) fault: Option<Fault>,
+}
+
+/// The files that the arguments name, and those in the folders they name; each once.
+pub(super) fn find(arguments: &[PathBuf], selection: &Selection) -> anyhow::Result<Vec<Found>> {
+    let mut found = Vec::new();
+    for argument in arguments {
+        let about = about(argument)?;
+        let mut here = Vec::new();
+        if about.is_dir() {
+            search(argument, 0, &mut here);
+            here.retain(|file| matches(file, argument, selection));
+            if here.is_empty() {
+                let which = if selection.filter.is_some() { " matches the filter" } else { "" };
+                bail!("{}: no recording (.csv, .txt){which}", argument.display());
+            }
+        } else {
+            here.push(Found { path: argument.clone(), fault: None });
+        }
+        found.append(&mut here);
+    }
+    let mut seen = BTreeSet::new();
+    // The same demonstration twice would be its own neighbour in a cross-validation.
+    found.retain(|file| {
+        seen.insert(fs::canonicalize(&file.path).unwrap_or_else(|_| file.path.clone()))
+    });
+    Ok(found)
+}
+
+/// What kind of thing the path names.
+pub(crate) fn about(path: &Path) -> anyhow::Result<fs::Metadata> {
+    fs::metadata(path).or_else(|error| match error.kind() {
+        io::ErrorKind::NotFound => bail!("{}: no such file or folder", path.display()),
+        _ => Err(error).with_context(|| format!("cannot open {}", path.display())),
+    })
+}
+
+fn matches(file: &Found, folder: &Path, selection: &Selection) -> bool {
+    let relative = file.path.strip_prefix(folder).unwrap_or(&file.path);
+    let filter = selection.filter.as_ref();
+    // A folder that cannot be opened hides files that might have matched.
+    file.fault.is_some() || filter.is_none_or(|pattern| pattern.matches_path(relative))
+}
+
+/// Adds the folder's files in name order. Hidden ones are none of ours, linked folders may circle.
+fn search(folder: &Path, depth: usize, found: &mut Vec<Found>) {
+    let mut fail = |path: &Path, reason: String| {
+        found.push(Found { path: path.into(), fault: Some(Fault::of_file(reason)) });
+    };
+    if depth > DEEPEST {
+        return fail(folder, format!("more than {DEEPEST} folders deep"));
+    }
+    let entries = fs::read_dir(folder).and_then(|entries| entries.collect::<Result<Vec<_>, _>>());
+    let mut entries = match entries {
+        Ok(entries) => entries,
+        Err(error) => return fail(folder, format!("cannot be searched: {error}")),
+    };
+    entries.sort_by_key(fs::DirEntry::file_name);
+    for entry in entries {
+        let path = entry.path();
+        if entry.file_name().as_encoded_bytes().starts_with(b".") {
+            continue;
+        }
+        if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+            search(&path, depth + 1, found);
+        } else if is_recording(&path) && fs::metadata(&path).is_ok_and(|about| about.is_file()) {
+            found.push(Found { path, fault: None });
+        }
+    }
+}
+
+fn is_recording(path: &Path) -> bool {
+    let ending = path.extension().and_then(|ending| ending.to_str());
+    ending.is_some_and(|ending| ENDINGS.iter().any(|known| known.eq_ignore_ascii_case(ending)))
+}

@@ -1,0 +1,158 @@
+//! `handover import`: recordings of any known format → CSV.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+use handover_mesh::Recording;
+use handover_mesh::formats::csv;
+use rayon::prelude::*;
+use serde_json::json;
+
+use crate::args::Import;
+use crate::files::{self, BadFile, Fault};
+use crate::output::Output;
+use crate::progress::Progress;
+use crate::{Outcome, UsageError};
+
+/// Endings that name a file, so no folder of recordings.
+const FILE_ENDINGS: [&str; 6] = ["csv", "txt", "mcap", "db3", "bag", "json"];
+
+/// Reads, writes and says what was left out.
+pub(crate) fn run(import: &Import, output: &Output) -> anyhow::Result<Outcome> {
+    let (source, out) = (&import.source, &import.out);
+    let about = files::about(source)?;
+    if about.is_dir() {
+        check_folder(out)?
+    } else {
+        check_file(out)?
+    }
+    let read = files::load(std::slice::from_ref(source), &import.selection, output)?;
+    let mut bad = read.bad;
+    let targets = if about.is_dir() {
+        fs::create_dir_all(out).with_context(|| format!("cannot make {}", out.display()))?;
+        folder_targets(out, &read.recordings)
+    } else {
+        vec![out.clone()]
+    };
+    let progress = Progress::new(output, "writing", targets.len());
+    let wrote: Vec<Result<PathBuf, BadFile>> = read
+        .recordings
+        .into_par_iter()
+        .zip(targets)
+        .map(|(recording, target)| {
+            let wrote = write(&recording, &target);
+            progress.step();
+            let name = || PathBuf::from(recording.name());
+            wrote.map(|()| target).map_err(|error| BadFile {
+                path: name(),
+                faults: vec![Fault { line: None, reason: format!("{error:#}") }],
+            })
+        })
+        .collect();
+    drop(progress);
+    let mut written = Vec::new();
+    for wrote in wrote {
+        match wrote {
+            Ok(path) => written.push(path),
+            Err(file) => bad.push(file),
+        }
+    }
+    report(&written, &bad, output)
+}
+
+fn report(written: &[PathBuf], bad: &[BadFile], output: &Output) -> anyhow::Result<Outcome> {
+    output.result(
+        || written.iter().map(|path| format!("{}\n", path.display())).collect(),
+        || {
+            let failed = bad.iter().map(|file| {
+                let errors: Vec<_> = file.faults.iter().map(Fault::json).collect();
+                json!({ "file": file.path.display().to_string(), "errors": errors })
+            });
+            let written = written.iter().map(|path| path.display().to_string());
+            json!({
+                "written": written.collect::<Vec<_>>(),
+                "failed": failed.collect::<Vec<_>>(),
+            })
+        },
+    )?;
+    for file in bad {
+        for fault in &file.faults {
+            output.problem(&format!("{}: {}", file.path.display(), fault.text()));
+        }
+    }
+    output.note(&format!("{} written, {} left out", written.len(), bad.len()));
+    Ok(match (written, bad) {
+        (_, []) => Outcome::Done,
+        ([], _) => Outcome::Failed,
+        _ => Outcome::Loss,
+    })
+}
+
+fn check_file(out: &Path) -> anyhow::Result<()> {
+    if out.is_dir() {
+        bail!(UsageError(format!(
+            "{} is a folder, SRC is a file (hint: name a file ending in .csv)",
+            out.display()
+        )));
+    }
+    match ending(out).as_deref() {
+        Some("csv") => Ok(()),
+        Some(ending) => bail!(UsageError(format!(
+            "{}: cannot write '.{ending}'; files are written as .csv",
+            out.display()
+        ))),
+        None => bail!(UsageError(format!(
+            "{}: an ending says what to write, and there is none; files are written as .csv",
+            out.display()
+        ))),
+    }
+}
+
+fn check_folder(out: &Path) -> anyhow::Result<()> {
+    let named_as_file = ending(out).is_some_and(|e| FILE_ENDINGS.contains(&e.as_str()));
+    if out.is_file() || (named_as_file && !out.is_dir()) {
+        bail!(UsageError(format!(
+            "{} names a file, SRC is a folder (hint: name a folder to write to)",
+            out.display()
+        )));
+    }
+    Ok(())
+}
+
+fn ending(path: &Path) -> Option<String> {
+    path.extension().map(|ending| ending.to_string_lossy().to_lowercase())
+}
+
+/// `pair/class/take` → `OUT/pair_class_take.csv`; a number where two clips would meet.
+fn folder_targets(out: &Path, recordings: &[Recording]) -> Vec<PathBuf> {
+    let mut taken = BTreeSet::new();
+    let flat = recordings.iter().map(|recording| recording.name().replace(['/', '\\'], "_"));
+    flat.map(|flat| {
+        let numbered = (2..).map(|number| format!("{flat}_{number}"));
+        // There is always a free number; the name alone is what the chain starts with.
+        let free = std::iter::once(flat.clone()).chain(numbered).find(|n| !taken.contains(n));
+        let free = free.unwrap_or(flat);
+        let path = out.join(format!("{free}.csv"));
+        taken.insert(free);
+        path
+    })
+    .collect()
+}
+
+/// Writes beside the target and renames, so that no half-written file ever bears its name.
+fn write(recording: &Recording, target: &Path) -> anyhow::Result<()> {
+    let text = csv::write(recording)?;
+    let name = target.file_name().context("no file name")?.to_string_lossy();
+    let beside = target.with_file_name(format!(".{name}.{}.tmp", std::process::id()));
+    let written = fs::File::create(&beside)
+        .and_then(|mut file| file.write_all(text.as_bytes()).and_then(|()| file.sync_all()))
+        .and_then(|()| fs::rename(&beside, target));
+    if written.is_err() {
+        // Perhaps it was never made; the first error is the one to tell.
+        let _ = fs::remove_file(&beside);
+    }
+    written.with_context(|| format!("cannot write {}", target.display()))
+}
