@@ -6,6 +6,7 @@
 //! nanoseconds; the library opens no file, reads no clock and prints nothing.
 
 pub mod align;
+pub mod config;
 pub mod delaunay;
 pub mod demonstration;
 pub mod evaluate;
@@ -19,6 +20,7 @@ pub mod skeleton;
 pub mod statistics;
 pub mod time;
 
+pub use config::{Config, ConfigError};
 pub use geometry::{Isometry, Point, Vector};
 pub use skeleton::{
     Bone, Frame, JointId, ObjectTrack, Part, Person, Recording, RecordingError, Role, Sequence,

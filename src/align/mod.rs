@@ -130,7 +130,7 @@ mod tests {
 
     #[test]
     fn nothing_matches_nothing() {
-        assert_eq!(super::warp(0, 3, SETTINGS, |_, _| 0.0), None);
-        assert_eq!(super::warp(3, 0, SETTINGS, |_, _| 0.0), None);
+        assert_eq!(warp(0, 3, SETTINGS, |_, _| 0.0), None);
+        assert_eq!(warp(3, 0, SETTINGS, |_, _| 0.0), None);
     }
 }

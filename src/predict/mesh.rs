@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::aligned::Alignment;
-use super::{PredictError, PredictSettings};
+use super::{KnownJoints, PredictError, PredictSettings};
 use crate::demonstration::{Hands, Observation};
 use crate::geometry::Point;
 use crate::mesh::{Edge, EdgeWeights, InitialEdges, InteractionMesh, Pair, Topology};
@@ -50,7 +50,11 @@ pub(super) fn predict(
     let frame: Vec<Constraint> = pair
         .vertices(Role::First)
         .chain(pair.vertices(Role::Second))
-        .map(|vertex| if known(vertex) { Constraint::Fixed } else { Constraint::Free })
+        .map(|vertex| match settings.known {
+            _ if !known(vertex) => Constraint::Free,
+            KnownJoints::Eliminated => Constraint::Fixed,
+            KnownJoints::Soft => Constraint::Soft(1.0),
+        })
         .collect();
     let constraints = frame.repeat(frames);
     let observed: Vec<Point> =

@@ -16,4 +16,4 @@ mod settings;
 
 pub use aligned::{Aligned, Alignment};
 pub use method::{Method, PredictError, Predictor};
-pub use settings::PredictSettings;
+pub use settings::{KnownJoints, PredictSettings};

@@ -4,6 +4,15 @@ use crate::align::WarpSettings;
 use crate::mesh::Kernel;
 use crate::retarget::RetargetSettings;
 
+/// How a solve takes the joints that are known: the partner's, and the robot's base.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum KnownJoints {
+    /// Exactly, as constants of the system.
+    Eliminated,
+    /// As targets with [`RetargetSettings::known_weight`].
+    Soft,
+}
+
 /// How demonstrations are aligned, meshed and retargeted, and how the baselines are fitted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PredictSettings {
@@ -19,6 +28,8 @@ pub struct PredictSettings {
     pub kernel: Kernel,
     /// Weight `[-]` of the mesh's temporal edges, ≥ 0.
     pub time_weight: f64,
+    /// Whether known joints are exact.
+    pub known: KnownJoints,
     /// The solve.
     pub retarget: RetargetSettings,
     /// Ridge penalty `[-]` of `ridge`, per sample, on standardised features; > 0.
@@ -45,6 +56,7 @@ impl Default for PredictSettings {
                 minimum: 0.05,
             },
             time_weight: 1.0,
+            known: KnownJoints::Eliminated,
             retarget: RetargetSettings::default(),
             ridge_penalty: 1e-2,
             promp_bases: 15,

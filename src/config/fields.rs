@@ -1,0 +1,111 @@
+//! Typed access to flat keys, collecting whatever is wrong.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+
+use super::Violation;
+
+/// Keys and values that are taken one by one; what nobody takes is unknown.
+pub(super) struct Fields {
+    values: BTreeMap<String, Value>,
+    violations: Vec<Violation>,
+    known: Vec<&'static str>,
+}
+
+impl Fields {
+    pub(super) fn new(values: BTreeMap<String, Value>, violations: Vec<Violation>) -> Self {
+        Self { values, violations, known: Vec::new() }
+    }
+
+    /// Every key that was asked for.
+    #[cfg(test)]
+    pub(super) fn known(&self) -> &[&'static str] {
+        &self.known
+    }
+
+    /// Sets `target` if the key is there and `parse` takes its value; else remembers the bound.
+    fn take<T>(
+        &mut self,
+        key: &'static str,
+        target: &mut T,
+        parse: impl Fn(&Value) -> Option<T>,
+        bound: impl FnOnce() -> String,
+    ) {
+        self.known.push(key);
+        let Some(value) = self.values.remove(key) else { return };
+        match parse(&value) {
+            Some(parsed) => *target = parsed,
+            None => {
+                let problem = format!("is {value}, must be {}", bound());
+                self.violations.push(Violation { key: key.to_owned(), problem });
+            }
+        }
+    }
+
+    /// A number between two bounds, both included.
+    pub(super) fn float(&mut self, key: &'static str, target: &mut f64, low: f64, high: f64) {
+        let parse = |value: &Value| value.as_f64().filter(|number| (low..=high).contains(number));
+        self.take(key, target, parse, || format!("a number from {low} to {high}"));
+    }
+
+    /// A whole number between two bounds, both included.
+    pub(super) fn count(&mut self, key: &'static str, target: &mut usize, low: usize, high: usize) {
+        let parse = |value: &Value| {
+            let number = usize::try_from(value.as_u64()?).ok()?;
+            (low..=high).contains(&number).then_some(number)
+        };
+        self.take(key, target, parse, || format!("a whole number from {low} to {high}"));
+    }
+
+    /// A text that is not empty.
+    pub(super) fn text(&mut self, key: &'static str, target: &mut String) {
+        self.take(key, target, text, || "text".to_owned());
+    }
+
+    /// A list of texts.
+    pub(super) fn texts(&mut self, key: &'static str, target: &mut Vec<String>) {
+        let parse = |value: &Value| value.as_array()?.iter().map(text).collect();
+        self.take(key, target, parse, || "a list of texts".to_owned());
+    }
+
+    /// One of some named values.
+    pub(super) fn choice<T: Copy>(
+        &mut self,
+        key: &'static str,
+        target: &mut T,
+        choices: &[(&str, T)],
+    ) {
+        let parse = |value: &Value| {
+            choices.iter().find(|(name, _)| value.as_str() == Some(name)).map(|(_, choice)| *choice)
+        };
+        let names = || choices.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
+        self.take(key, target, parse, || format!("one of {}", names()));
+    }
+
+    /// All violations, those of unknown keys last.
+    pub(super) fn finish(mut self) -> Vec<Violation> {
+        for key in self.values.keys() {
+            let (section, _) = key.split_once('.').unwrap_or((key, ""));
+            let siblings: Vec<&str> = self
+                .known
+                .iter()
+                .filter_map(|known| known.strip_prefix(section)?.strip_prefix('.'))
+                .collect();
+            let problem = if siblings.is_empty() {
+                let mut sections: Vec<&str> =
+                    self.known.iter().filter_map(|known| Some(known.split_once('.')?.0)).collect();
+                sections.dedup();
+                format!("is no parameter; sections are {}", sections.join(", "))
+            } else {
+                format!("is no parameter; '{section}' has {}", siblings.join(", "))
+            };
+            self.violations.push(Violation { key: key.clone(), problem });
+        }
+        self.violations
+    }
+}
+
+fn text(value: &Value) -> Option<String> {
+    value.as_str().filter(|text| !text.is_empty()).map(str::to_owned)
+}

@@ -1,0 +1,271 @@
+//! Parameters: one YAML file in ROS 2 form → checked settings, or every violation at once.
+//!
+//! ```yaml
+//! /**:
+//!   ros__parameters:
+//!     retarget: {transform: none, steps: 5}
+//! ```
+//!
+//! A key left out keeps its default; `config/handover.yaml` lists all keys with meaning, unit and
+//! range. Text in, values out: opens no file.
+
+mod fields;
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+
+use crate::mesh::Kernel;
+use crate::predict::{KnownJoints, PredictSettings};
+use crate::retarget::Transform;
+use fields::Fields;
+
+/// All parameters, within their bounds.
+///
+/// ```
+/// use handover_mesh::Config;
+/// let yaml = "/**:\n  ros__parameters:\n    retarget: {steps: 0, speed: 3}\n";
+/// let error = Config::from_yaml(yaml, &[]).unwrap_err().to_string();
+/// assert!(error.contains("retarget.steps is 0, must be a whole number from 1 to 10000"));
+/// assert!(error.contains("retarget.speed"), "both are reported");
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Config {
+    /// The joint by which a person's place is known, by name; a skeleton without it uses its root.
+    pub base_joint: String,
+    /// How demonstrations become predictions.
+    pub predict: PredictSettings,
+    /// Folds of an evaluation with more than twenty groups.
+    pub folds: usize,
+    /// Joints of the robot, by name, that no figure counts.
+    pub ignored_joints: Vec<String>,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self {
+            base_joint: "torso".to_owned(),
+            predict: PredictSettings::default(),
+            folds: 10,
+            ignored_joints: Vec::new(),
+        }
+    }
+}
+
+/// One parameter that cannot be meant.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Violation {
+    /// The key, dotted.
+    pub key: String,
+    /// What is wrong: the value and the bound.
+    pub problem: String,
+}
+
+/// Everything that is wrong with some parameters.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ConfigError {
+    /// The text is no YAML.
+    #[error("not YAML: {0}")]
+    Yaml(String),
+    /// The text is not in ROS 2 parameter form.
+    #[error("parameters stand under '/**:' and 'ros__parameters:' there; {0}")]
+    Form(String),
+    /// Keys, types or values, all of them.
+    #[error("{}", lines(.0))]
+    Violations(Vec<Violation>),
+}
+
+fn lines(violations: &[Violation]) -> String {
+    let lines = violations.iter().map(|v| format!("{} {}", v.key, v.problem));
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+impl Config {
+    /// Reads a parameter file's text, then `key=value` settings over it.
+    ///
+    /// - `yaml`: in ROS 2 parameter form; empty for the defaults.
+    /// - `settings`: dotted keys and YAML values, later ones win.
+    ///
+    /// # Errors
+    /// [`ConfigError`] with every unknown key, wrong type and value out of range.
+    pub fn from_yaml(yaml: &str, settings: &[(String, String)]) -> Result<Self, ConfigError> {
+        let mut values = BTreeMap::new();
+        if !yaml.trim().is_empty() {
+            let file: Value = parse_yaml(yaml).map_err(ConfigError::Yaml)?;
+            flatten("", parameters(&file)?, &mut values);
+        }
+        let mut violations = Vec::new();
+        for (key, text) in settings {
+            match parse_yaml(text) {
+                Ok(value) => flatten(key, &value, &mut values),
+                Err(error) => violations.push(Violation {
+                    key: key.clone(),
+                    problem: format!("is no YAML value: {error}"),
+                }),
+            }
+        }
+        let mut fields = Fields::new(values, violations);
+        let config = Self::from_fields(&mut fields);
+        let violations = fields.finish();
+        if violations.is_empty() { Ok(config) } else { Err(ConfigError::Violations(violations)) }
+    }
+
+    /// Every key there is, with its bounds: the one place that knows them.
+    fn from_fields(fields: &mut Fields) -> Self {
+        let mut config = Self::default();
+        let Self { base_joint, predict, folds, ignored_joints } = &mut config;
+        fields.text("robot.base_joint", base_joint);
+        fields.float("observation.smoothing", &mut predict.smoothing, 0.0, 1.0);
+        fields.float("alignment.pause_penalty", &mut predict.warp.pause_penalty, 0.0, 10.0);
+        fields.float("alignment.slack", &mut predict.warp.slack, 0.0, 0.45);
+        fields.float("alignment.distance_weight", &mut predict.distance_weight, 0.0, 100.0);
+        fields.count("reference.demonstrations", &mut predict.demonstrations, 1, 1000);
+        fields.float("mesh.time_weight", &mut predict.time_weight, 0.0, 1000.0);
+        predict.kernel = kernel(fields, predict.kernel);
+        let retarget = &mut predict.retarget;
+        let transforms = [
+            ("none", Transform::None),
+            ("implicit", Transform::Implicit),
+            ("local_global", Transform::LocalGlobal),
+        ];
+        fields.choice("retarget.transform", &mut retarget.transform, &transforms);
+        let known = [("eliminated", KnownJoints::Eliminated), ("soft", KnownJoints::Soft)];
+        fields.choice("retarget.known", &mut predict.known, &known);
+        fields.float("retarget.laplacian_weight", &mut retarget.laplacian_weight, 1e-6, 1e6);
+        fields.float("retarget.known_weight", &mut retarget.known_weight, 1e-6, 1e6);
+        fields.float("retarget.bone_weight", &mut retarget.bone_weight, 0.0, 1e6);
+        fields.count("retarget.steps", &mut retarget.steps, 1, 10_000);
+        fields.float("retarget.tolerance", &mut retarget.tolerance, 0.0, 1.0);
+        fields.float("retarget.rotation_memory", &mut retarget.rotation_memory, 1e-9, 1.0);
+        fields.float("baseline.ridge_penalty", &mut predict.ridge_penalty, 1e-9, 1e6);
+        fields.count("baseline.promp_bases", &mut predict.promp_bases, 2, 200);
+        fields.float("baseline.promp_noise", &mut predict.promp_noise, 1e-6, 1e3);
+        fields.float("baseline.attach_fade", &mut predict.attach_fade, 0.01, 60.0);
+        fields.count("evaluate.folds", folds, 2, 1000);
+        fields.texts("evaluate.ignored_joints", ignored_joints);
+        config
+    }
+}
+
+/// The kernel is a choice, and its numbers belong to one of the choices.
+fn kernel(fields: &mut Fields, default: Kernel) -> Kernel {
+    let (mut scale, mut power, mut reference, mut minimum) = match default {
+        Kernel::InverseDistance { scale, power, reference, minimum } => {
+            (scale, power, reference, minimum)
+        }
+        Kernel::Uniform => (3.0, 2.0, 0.1, 0.05),
+    };
+    let mut inverse_distance = default != Kernel::Uniform;
+    let choices = [("uniform", false), ("inverse_distance", true)];
+    fields.choice("mesh.kernel", &mut inverse_distance, &choices);
+    fields.float("mesh.scale", &mut scale, 0.0, 1e6);
+    fields.float("mesh.power", &mut power, 0.0, 16.0);
+    fields.float("mesh.reference_distance", &mut reference, 1e-3, 10.0);
+    fields.float("mesh.minimum_distance", &mut minimum, 1e-3, 10.0);
+    if inverse_distance {
+        Kernel::InverseDistance { scale, power, reference, minimum }
+    } else {
+        Kernel::Uniform
+    }
+}
+
+fn parse_yaml(text: &str) -> Result<Value, String> {
+    serde_saphyr::from_str(text).map_err(|error| error.to_string())
+}
+
+/// What stands under `/**` and `ros__parameters`.
+fn parameters(file: &Value) -> Result<&Value, ConfigError> {
+    let only = |value: &'_ Value, key: &str| match value {
+        Value::Object(map) if map.len() == 1 && map.contains_key(key) => Ok(()),
+        Value::Object(map) => Err(ConfigError::Form(format!(
+            "got {}",
+            map.keys().cloned().collect::<Vec<_>>().join(", ")
+        ))),
+        other => Err(ConfigError::Form(format!("got {other}"))),
+    };
+    only(file, "/**")?;
+    only(&file["/**"], "ros__parameters")?;
+    Ok(&file["/**"]["ros__parameters"])
+}
+
+/// Nested maps → dotted keys.
+fn flatten(prefix: &str, value: &Value, values: &mut BTreeMap<String, Value>) {
+    match value {
+        Value::Object(map) => {
+            for (key, value) in map {
+                let key = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
+                flatten(&key, value, values);
+            }
+        }
+        value => {
+            values.insert(prefix.to_owned(), value.clone());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn check_rejected(setting: (&str, &str), expected: &str) {
+        let setting = (setting.0.to_owned(), setting.1.to_owned());
+        let error = Config::from_yaml("", &[setting]).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    }
+
+    #[test]
+    fn every_kind_of_mistake_is_named_with_its_bound() {
+        check_rejected(
+            ("retarget.transform", "shear"),
+            "is \"shear\", must be one of none, implicit, local_global",
+        );
+        check_rejected(
+            ("alignment.slack", "0.5"),
+            "alignment.slack is 0.5, must be a number from 0 to 0.45",
+        );
+        check_rejected(("retarget.steps", "2.5"), "is 2.5, must be a whole number");
+        check_rejected(("retarget.steps", "[1]"), "is [1], must be a whole number");
+        check_rejected(("robot.base_joint", "7"), "is 7, must be text");
+        check_rejected(("evaluate.ignored_joints", "head"), "must be a list of texts");
+        check_rejected(("mesh.colour", "1"), "mesh.colour is no parameter; 'mesh' has kernel, ");
+        check_rejected(("mesh", "1"), "mesh is no parameter");
+    }
+
+    #[test]
+    fn all_violations_come_together_and_settings_win_over_the_file() {
+        let yaml = "/**:\n  ros__parameters:\n    retarget: {steps: 7}\n    mesh: {scale: -1, kernel: 3}\n";
+        let error = Config::from_yaml(yaml, &[("retarget.bone_weight".into(), "-2".into())]);
+        let Err(ConfigError::Violations(violations)) = error else { panic!("{error:?}") };
+        let keys: Vec<&str> = violations.iter().map(|v| v.key.as_str()).collect();
+        assert_eq!(keys, ["mesh.kernel", "mesh.scale", "retarget.bone_weight"]);
+        let settings =
+            [("mesh.scale".into(), "2".into()), ("mesh.kernel".into(), "uniform".into())];
+        let config = Config::from_yaml(yaml, &settings).unwrap();
+        assert_eq!((config.predict.retarget.steps, config.predict.kernel), (7, Kernel::Uniform));
+    }
+
+    #[test]
+    fn another_form_of_file_is_refused() {
+        for text in
+            ["retarget: {steps: 5}", "/**: 3", "- 1", "/**: {parameters: {}}", "a: [", "\"\\xzz"]
+        {
+            assert!(Config::from_yaml(text, &[]).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn the_shipped_file_holds_every_key_with_its_default() {
+        let yaml = include_str!("../../config/handover.yaml");
+        assert_eq!(Config::from_yaml(yaml, &[]), Ok(Config::default()));
+        let mut values = BTreeMap::new();
+        flatten("", parameters(&parse_yaml(yaml).unwrap()).unwrap(), &mut values);
+        let mut fields = Fields::new(BTreeMap::new(), Vec::new());
+        Config::from_fields(&mut fields);
+        let mut shipped: Vec<&str> = values.keys().map(String::as_str).collect();
+        let mut known = fields.known().to_vec();
+        shipped.sort_unstable();
+        known.sort_unstable();
+        assert_eq!(shipped, known);
+    }
+}
