@@ -131,10 +131,16 @@ fn body(
         return None;
     }
     Skeleton::sort_names(&mut names);
-    let skeleton = Skeleton::from_names(names);
-    let skeleton = skeleton
-        .map_err(|source| violations.add(*line, Reason::Skeleton { person: name.clone(), source }))
-        .ok()?;
+    let skeleton = match Skeleton::from_names(names) {
+        Ok(skeleton) => skeleton,
+        Err(source) => {
+            // Where no frame is whole, lost rows are the reason, and they are noted.
+            if table.frames.iter().any(|frame| !frame.damaged) {
+                violations.add(*line, Reason::Skeleton { person: name.clone(), source });
+            }
+            return None;
+        }
+    };
     let place = |joint: &String| skeleton.joint(joint).map(|id| id.index());
     let places = table.joints.iter().map(place).collect();
     Some(Body { skeleton: Arc::new(skeleton), places })
