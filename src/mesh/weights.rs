@@ -88,7 +88,7 @@ impl EdgeWeights {
             for joint in 0..vertices {
                 let mut row = topology.neighbours(joint).map(|(_, edge)| weights[edge]);
                 let sum: f64 = topology.neighbours(joint).map(|(_, edge)| weights[edge]).sum();
-                if row.any(bad) || bad(self.time) || !(sum + self.time > 0.0) {
+                if row.any(bad) || bad(self.time) || sum + self.time <= 0.0 {
                     return Err(MeshError::Weight { frame, joint });
                 }
             }

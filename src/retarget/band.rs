@@ -139,8 +139,7 @@ impl BandMatrix {
                 }
                 let end = reach + row;
                 let pivot = now[end] - dot(&now[start..end], &now[start..end]);
-                // `!(>)` so that NaN fails too.
-                if !(pivot > PIVOT_TOLERANCE * now[end]) {
+                if pivot.is_nan() || pivot <= PIVOT_TOLERANCE * now[end] {
                     return Err(NotPositiveDefinite { row: block + row });
                 }
                 now[end] = pivot.sqrt();

@@ -191,6 +191,16 @@ impl Recording {
         self
     }
 
+    /// The recording with another motion of one person.
+    ///
+    /// # Errors
+    /// [`RecordingError`] if it is not at the recording's instants.
+    pub fn with_motion(&self, role: Role, motion: Sequence) -> Result<Self, RecordingError> {
+        let mut people = self.people.clone();
+        people[role as usize].motion = motion;
+        Self::new(self.name.clone(), people, self.object.clone(), self.metadata.clone())
+    }
+
     /// Both people and the object seen from another frame.
     pub fn transformed(&self, world_from_here: &Isometry) -> Self {
         let mut moved = self.clone();

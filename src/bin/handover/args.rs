@@ -3,8 +3,10 @@
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
+use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use handover_mesh::formats::UpAxis;
+use handover_mesh::predict::Method;
 
 /// Learns handovers from recordings of two people, and says what recordings hold.
 ///
@@ -24,6 +26,12 @@ pub(crate) struct Global {
     /// Threads to work with [default: one for each core]
     #[arg(long, global = true, value_name = "N")]
     pub(crate) jobs: Option<NonZeroUsize>,
+    /// Parameter file in ROS 2 form [default: the values of config/handover.yaml]
+    #[arg(long, global = true, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+    /// One parameter over the file's, e.g. mesh.scale=10; may be repeated
+    #[arg(long, global = true, value_name = "KEY=VALUE", value_parser = setting)]
+    pub(crate) set: Vec<(String, String)>,
     /// Print one JSON object on stdout instead of text
     #[arg(long, global = true)]
     pub(crate) json: bool,
@@ -36,6 +44,10 @@ pub(crate) struct Global {
 pub(crate) enum Command {
     /// Turn recordings of any known format into CSV
     Import(Import),
+    /// Retarget a recording's robot role from demonstrations
+    Replay(Replay),
+    /// Measure all methods against what people did
+    Evaluate(Evaluate),
     /// Say what files hold and what is wrong with them
     Check(Check),
 }
@@ -53,6 +65,78 @@ pub(crate) struct Import {
     pub(crate) out: PathBuf,
     #[command(flatten)]
     pub(crate) selection: Selection,
+}
+
+/// Retarget a recording's robot role from demonstrations.
+///
+/// The robot sees the partner's whole motion and where its own base is; what the person in its
+/// role really did is only what the result is measured against.
+#[derive(Debug, Args)]
+pub(crate) struct Replay {
+    /// A demonstration, or a folder searched for demonstrations
+    #[arg(value_name = "DEMO")]
+    pub(crate) demonstrations: PathBuf,
+    /// The recording to replay
+    #[arg(value_name = "RECORDING")]
+    pub(crate) recording: PathBuf,
+    /// Write the recording with the robot's joints in its role's place (.csv)
+    #[arg(long, short, value_name = "OUT")]
+    pub(crate) out: Option<PathBuf>,
+    /// The person the robot stands in for [default: giver, else B]
+    #[arg(long, value_name = "R")]
+    pub(crate) role: Option<String>,
+    /// How the robot's joints are found
+    #[arg(long, value_name = "METHOD", default_value = "mesh", value_parser = method_parser())]
+    pub(crate) method: String,
+    #[command(flatten)]
+    pub(crate) selection: Selection,
+}
+
+/// Measure all methods against what people did.
+///
+/// leave_one_out: each clip is predicted from the others; with more than twenty clips (or groups)
+/// they are dealt into folds.
+#[derive(Debug, Args)]
+pub(crate) struct Evaluate {
+    /// Recordings, or folders searched for recordings (.csv, .txt)
+    #[arg(value_name = "DEMO", required = true)]
+    pub(crate) demonstrations: Vec<PathBuf>,
+    /// Who learns from whom, and what is measured
+    #[arg(long, value_enum)]
+    pub(crate) protocol: Protocol,
+    /// The person the robot stands in for [default: giver, else B]
+    #[arg(long, value_name = "R")]
+    pub(crate) role: Option<String>,
+    /// Clips with this metadata in common never learn from each other, e.g. pair
+    #[arg(long, value_name = "KEY")]
+    pub(crate) group: Option<String>,
+    /// The methods to compare, separated by commas [default: all]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = method_parser())]
+    pub(crate) methods: Vec<String>,
+    /// Folds where there are more than twenty clips or groups [default: evaluate.folds]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1000))]
+    pub(crate) folds: Option<u32>,
+    #[command(flatten)]
+    pub(crate) selection: Selection,
+}
+
+/// How clips are dealt and measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Protocol {
+    /// Each clip predicted from the others
+    #[value(name = "leave_one_out")]
+    LeaveOneOut,
+}
+
+/// Accepts the methods' names.
+fn method_parser() -> PossibleValuesParser {
+    PossibleValuesParser::new(Method::ALL.map(Method::name))
+}
+
+/// `key=value`.
+fn setting(text: &str) -> Result<(String, String), String> {
+    let (key, value) = text.split_once('=').ok_or("expected KEY=VALUE")?;
+    Ok((key.trim().to_owned(), value.trim().to_owned()))
 }
 
 /// Say what files hold and what is wrong with them.

@@ -4,6 +4,7 @@
 
 mod names;
 mod search;
+mod write;
 
 use std::fs::File;
 use std::io::Read as _;
@@ -19,6 +20,7 @@ use crate::progress::Progress;
 use names::{Place, distinct_names};
 use search::Found;
 pub(crate) use search::about;
+pub(crate) use write::write;
 
 /// No recording is as large; what claims to be must not fill the memory.
 const LARGEST: u64 = 1 << 29;
@@ -65,7 +67,6 @@ pub(crate) struct Demonstrations {
 ///
 /// # Errors
 /// If a path does not exist or nothing was found there; a bad file is no error.
-#[allow(dead_code, reason = "for the commands that learn and evaluate")]
 pub(crate) fn load(
     demos: &[PathBuf],
     selection: &Selection,
@@ -79,6 +80,15 @@ pub(crate) fn load(
         }
     }
     Ok(Demonstrations { recordings, bad })
+}
+
+/// Says on stderr which files were left out and why.
+pub(crate) fn name_bad(bad: &[BadFile], output: &Output) {
+    for file in bad {
+        for fault in &file.faults {
+            output.problem(&format!("{}: {}", file.path.display(), fault.text()));
+        }
+    }
 }
 
 /// Reads all recordings that the arguments name, one after another as they were found.

@@ -2,12 +2,10 @@
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use handover_mesh::Recording;
-use handover_mesh::formats::csv;
 use rayon::prelude::*;
 use serde_json::json;
 
@@ -43,7 +41,7 @@ pub(crate) fn run(import: &Import, output: &Output) -> anyhow::Result<Outcome> {
         .into_par_iter()
         .zip(targets)
         .map(|(recording, target)| {
-            let wrote = write(&recording, &target);
+            let wrote = files::write(&recording, &target);
             progress.step();
             let name = || PathBuf::from(recording.name());
             wrote.map(|()| target).map_err(|error| BadFile {
@@ -78,11 +76,7 @@ fn report(written: &[PathBuf], bad: &[BadFile], output: &Output) -> anyhow::Resu
             })
         },
     )?;
-    for file in bad {
-        for fault in &file.faults {
-            output.problem(&format!("{}: {}", file.path.display(), fault.text()));
-        }
-    }
+    files::name_bad(bad, output);
     output.note(&format!("{} written, {} left out", written.len(), bad.len()));
     Ok(match (written, bad) {
         (_, []) => Outcome::Done,
@@ -140,19 +134,4 @@ fn folder_targets(out: &Path, recordings: &[Recording]) -> Vec<PathBuf> {
         path
     })
     .collect()
-}
-
-/// Writes beside the target and renames, so that no half-written file ever bears its name.
-fn write(recording: &Recording, target: &Path) -> anyhow::Result<()> {
-    let text = csv::write(recording)?;
-    let name = target.file_name().context("no file name")?.to_string_lossy();
-    let beside = target.with_file_name(format!(".{name}.{}.tmp", std::process::id()));
-    let written = fs::File::create(&beside)
-        .and_then(|mut file| file.write_all(text.as_bytes()).and_then(|()| file.sync_all()))
-        .and_then(|()| fs::rename(&beside, target));
-    if written.is_err() {
-        // Perhaps it was never made; the first error is the one to tell.
-        let _ = fs::remove_file(&beside);
-    }
-    written.with_context(|| format!("cannot write {}", target.display()))
 }

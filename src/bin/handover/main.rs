@@ -2,10 +2,14 @@
 
 mod args;
 mod check;
+mod configuration;
+mod demonstrations;
+mod evaluate;
 mod files;
 mod import;
 mod output;
 mod progress;
+mod replay;
 
 use std::process::ExitCode;
 
@@ -58,8 +62,12 @@ fn main() -> ExitCode {
 
 fn run(arguments: &Arguments, output: &Output) -> anyhow::Result<Outcome> {
     set_jobs(&arguments.global)?;
+    // Read for every command: a wrong parameter is wrong wherever it is given.
+    let config = configuration::load(&arguments.global)?;
     match &arguments.command {
         Command::Import(import) => import::run(import, output),
+        Command::Replay(replay) => replay::run(replay, &config, output),
+        Command::Evaluate(evaluate) => evaluate::run(evaluate, &config, output),
         Command::Check(check) => check::run(check, output),
     }
 }

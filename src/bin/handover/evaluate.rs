@@ -1,0 +1,87 @@
+//! `handover evaluate`: all methods against what people did, as a table or as JSON.
+
+use std::fmt::Write as _;
+
+use anyhow::{Context as _, bail};
+use handover_mesh::Config;
+use handover_mesh::evaluate::{EvaluateSettings, Evaluation, Figure, leave_one_out};
+use handover_mesh::predict::Method;
+
+use crate::args::{Evaluate, Protocol};
+use crate::demonstrations::{self, Loaded};
+use crate::output::Output;
+use crate::progress::Progress;
+use crate::{Outcome, UsageError};
+
+/// Loads, evaluates, prints.
+pub(crate) fn run(
+    arguments: &Evaluate,
+    config: &Config,
+    output: &Output,
+) -> anyhow::Result<Outcome> {
+    let Evaluate { demonstrations, selection, .. } = arguments;
+    let role = arguments.role.as_deref();
+    let Loaded { demonstrations, role, left_out } =
+        demonstrations::load(demonstrations, role, selection, config, output)?;
+    let groups = demonstrations.iter().map(|demonstration| {
+        let recording = demonstration.recording();
+        let Some(key) = &arguments.group else { return Ok(recording.name().to_owned()) };
+        let Some(group) = recording.metadata().get(key) else {
+            bail!(UsageError(format!("{}: no metadata '{key}' to group by", recording.name())));
+        };
+        Ok(group.clone())
+    });
+    let groups: Vec<String> = groups.collect::<anyhow::Result<_>>()?;
+    let settings = EvaluateSettings {
+        methods: methods(&arguments.methods),
+        folds: arguments.folds.map_or(config.folds, |folds| folds as usize),
+        ignored_joints: config.ignored_joints.clone(),
+        predict: config.predict.clone(),
+    };
+    let progress = Progress::new(output, "evaluating", demonstrations.len());
+    let evaluation = match arguments.protocol {
+        Protocol::LeaveOneOut => {
+            leave_one_out(&demonstrations, &groups, &settings, || progress.step())
+        }
+    };
+    drop(progress);
+    let evaluation = evaluation.context("cannot evaluate")?;
+    output.result(|| table(&evaluation, &role), || evaluation.to_json(&role))?;
+    Ok(if left_out == 0 { Outcome::Done } else { Outcome::Loss })
+}
+
+/// The methods asked for, each once, in the tables' order; all where none is named.
+fn methods(names: &[String]) -> Vec<Method> {
+    let wanted = |method: &Method| names.is_empty() || names.iter().any(|n| n == method.name());
+    Method::ALL.into_iter().filter(wanted).collect()
+}
+
+/// Mean and median per method and figure, and the interval of the mean contact error.
+fn table(evaluation: &Evaluation, role: &str) -> String {
+    let mut text = String::new();
+    let Evaluation { protocol, clips, .. } = evaluation;
+    let frames: usize = clips.iter().map(|clip| clip.frames).sum();
+    let _ = writeln!(
+        text,
+        "{protocol}: {} clips, {frames} frames, the robot is {role}; mean / median over the clips",
+        clips.len()
+    );
+    let _ = write!(text, "{:8}", "");
+    for figure in Figure::ALL {
+        let _ = write!(text, " {:>17}", figure.name());
+    }
+    let _ = writeln!(text, "  contact 95 %");
+    for (method, figures) in &evaluation.summary {
+        let _ = write!(text, "{:8}", method.name());
+        for summary in figures {
+            let cell =
+                summary.map_or("-".to_owned(), |s| format!("{:.1} / {:.1}", s.mean, s.median));
+            let _ = write!(text, " {cell:>17}");
+        }
+        let interval = evaluation
+            .summary_of(*method, Figure::Contact)
+            .map_or(String::new(), |s| format!("{:.1} to {:.1}", s.low, s.high));
+        let _ = writeln!(text, "  {interval}");
+    }
+    text
+}

@@ -1,0 +1,101 @@
+//! `handover replay`: a recording's robot role, retargeted from demonstrations.
+
+use std::fmt::Write as _;
+
+use anyhow::{Context as _, bail};
+use handover_mesh::demonstration::Demonstration;
+use handover_mesh::evaluate::{Figure, Figures, Scene};
+use handover_mesh::predict::{Method, Predictor};
+use handover_mesh::{Config, Frame, Point, Sequence};
+use serde_json::{Value, json};
+
+use crate::args::Replay;
+use crate::demonstrations::{self, Loaded};
+use crate::output::Output;
+use crate::{Outcome, UsageError, files};
+
+/// Loads, predicts, writes, prints.
+pub(crate) fn run(replay: &Replay, config: &Config, output: &Output) -> anyhow::Result<Outcome> {
+    if let Some(out) = replay.out.as_ref().filter(|out| out.extension().is_none_or(|e| e != "csv"))
+    {
+        bail!(UsageError(format!("{}: the trace is written as .csv", out.display())));
+    }
+    let Replay { demonstrations, recording, selection, .. } = replay;
+    let load = |path, role: Option<&str>| {
+        demonstrations::load(std::slice::from_ref(path), role, selection, config, output)
+    };
+    let Loaded { demonstrations, role, left_out } = load(demonstrations, replay.role.as_deref())?;
+    let replayed = load(recording, Some(&role))?;
+    let [truth] = replayed.demonstrations.as_slice() else {
+        bail!(UsageError(format!("{}: replay takes one recording", recording.display())));
+    };
+    let smooth = |demonstration: &Demonstration| demonstration.smoothed(config.predict.smoothing);
+    let smoothed = demonstrations.iter().map(|d| smooth(d).into()).collect();
+    let predictor = Predictor::fit(smoothed, config.predict.clone()).context("cannot learn")?;
+    let mut observation = smooth(truth).observation();
+    observation.bone_lengths = truth.robot().bone_lengths();
+    let predict = || {
+        let alignment = predictor.align(&observation)?;
+        let method = Method::ALL.into_iter().find(|method| method.name() == replay.method);
+        let predicted =
+            predictor.predict(method.unwrap_or(Method::Mesh), &observation, &alignment)?;
+        anyhow::Ok((alignment, predicted))
+    };
+    let (alignment, predicted) =
+        predict().with_context(|| format!("cannot replay {}", recording.display()))?;
+    let gap = predictor.mean_gap(alignment.hands);
+    let ignored = config.ignored_joints.iter();
+    let ignored: Vec<_> = ignored.filter_map(|name| truth.robot().skeleton().joint(name)).collect();
+    let scene = Scene::new(truth, alignment.hands, gap, &ignored);
+    let figures = scene.map(|scene| scene.figures(&predicted)).unwrap_or_default();
+    if let Some(out) = &replay.out {
+        let motion = motion(truth, &predicted)?;
+        files::write(&truth.recording().with_motion(truth.robot_role(), motion)?, out)?;
+        output.note(&format!("wrote {}", out.display()));
+    }
+    output.result(
+        || text(truth, replay, &role, &figures),
+        || {
+            let mut value = json!({
+                "recording": truth.recording().name(),
+                "role": role,
+                "method": replay.method,
+                "demonstrations": demonstrations.len(),
+                "frames": truth.recording().len(),
+            });
+            merge(&mut value, figures.to_json());
+            value
+        },
+    )?;
+    Ok(if left_out == 0 { Outcome::Done } else { Outcome::Loss })
+}
+
+/// Predicted positions on the recording's own stamps.
+fn motion(truth: &Demonstration, predicted: &[Point]) -> anyhow::Result<Sequence> {
+    let robot = truth.robot();
+    let poses = predicted.chunks_exact(robot.skeleton().len());
+    let frames = robot.stamps().zip(poses);
+    let frames = frames.map(|(stamp, pose)| Frame { stamp, positions: pose.into() });
+    Ok(Sequence::new(robot.skeleton().clone(), frames.collect())?)
+}
+
+fn text(truth: &Demonstration, replay: &Replay, role: &str, figures: &Figures) -> String {
+    let recording = truth.recording();
+    let mut text = format!(
+        "{}: {} frames, the robot is {role}, method {}\n",
+        recording.name(),
+        recording.len(),
+        replay.method
+    );
+    for figure in Figure::ALL {
+        let value = figures.get(figure).map_or("-".to_owned(), |value| format!("{value:.2}"));
+        let _ = writeln!(text, "{:>18} {value:>8}", figure.name());
+    }
+    text
+}
+
+fn merge(object: &mut Value, more: Value) {
+    if let (Value::Object(object), Value::Object(more)) = (object, more) {
+        object.extend(more);
+    }
+}
