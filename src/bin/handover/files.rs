@@ -65,7 +65,6 @@ pub(crate) struct Demonstrations {
 ///
 /// # Errors
 /// If a path does not exist or nothing was found there; a bad file is no error.
-#[allow(dead_code, reason = "for the commands that learn and evaluate")]
 pub(crate) fn load(
     demos: &[PathBuf],
     selection: &Selection,
