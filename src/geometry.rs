@@ -101,10 +101,7 @@ mod tests {
     use super::*;
 
     fn cloud() -> Vec<Point> {
-        (0..9)
-            .map(|i| f64::from(i))
-            .map(|i| Point::new(i.sin(), (2.0 * i).cos(), 0.3 * i))
-            .collect()
+        (0..9).map(f64::from).map(|i| Point::new(i.sin(), (2.0 * i).cos(), 0.3 * i)).collect()
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! `handover import` and `handover check` as a user meets them: the real process, its exit code
 //! and its words.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};

@@ -1,5 +1,7 @@
 //! CSV: what is written reads back, and what is wrong is named with its line.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -127,6 +129,9 @@ fn joints_missing_doubled_or_unknown_are_named() {
     let error = read(&lines.join("\n")).unwrap_err().to_string();
     assert!(error.starts_with("line 2: person 'giver': unknown joint 'tail'; known are: head"));
     assert_eq!(error.lines().count(), 1, "{error}");
+    lines[3] = lines[3].replace("neck", "fin");
+    let error = read(&lines.join("\n")).unwrap_err().to_string();
+    assert!(error.ends_with("line 4: person 'receiver': unknown joint 'fin'"), "{error}");
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! SBU text: what comes out is metres, z up, and what is wrong is named with its line.
 
+#![allow(clippy::unwrap_used, clippy::print_stderr, reason = "helpers of tests fail by panicking")]
+
 use handover_mesh::formats::{self, ReadError, UpAxis};
 use handover_mesh::{Part, Point, Recording, Role, Side, Stamp};
 use proptest::prelude::*;

@@ -128,6 +128,14 @@ pub enum Reason {
         /// The one there is.
         found: Option<String>,
     },
+    /// A joint whose name no skeleton knows; the first one in a file is told which are known.
+    #[error("person '{person}': unknown joint '{joint}'")]
+    UnknownJoint {
+        /// Whose joint.
+        person: String,
+        /// The name.
+        joint: String,
+    },
     /// The joints make no skeleton.
     #[error("person '{person}': {source}")]
     Skeleton {
@@ -314,7 +322,7 @@ impl Violations {
 /// `text` short enough for a message, without control characters.
 pub(super) fn shortened(text: &str) -> String {
     const LONGEST: usize = 40;
-    let mut short: String = text.chars().take(LONGEST).flat_map(char::escape_default).collect();
+    let mut short: String = text.chars().take(LONGEST).flat_map(char::escape_debug).collect();
     if text.chars().nth(LONGEST).is_some() {
         short.push('…');
     }

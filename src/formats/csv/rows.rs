@@ -62,6 +62,7 @@ struct Reader<'a> {
     violations: &'a mut Violations,
     /// Names complained about: once each is enough.
     refused: BTreeSet<String>,
+    known_joints_told: bool,
     /// The last row's frame could not be read: it belongs to this frame or starts the next.
     frame_lost: bool,
 }
@@ -79,6 +80,7 @@ impl Table {
             up,
             violations,
             refused: BTreeSet::new(),
+            known_joints_told: false,
             frame_lost: false,
         };
         let mut record = ::csv::ByteRecord::new();
@@ -237,14 +239,23 @@ impl Reader<'_> {
         }
         // So the search above is as long as there are known names, whatever the file holds.
         if Part::from_name(name).is_none() {
-            if self.refused.insert(format!("joint/{name}")) {
-                let source = SkeletonError::Unknown { name: shortened(name) };
-                let person = shortened(person);
-                self.violations.add(line, Reason::Skeleton { person, source });
-            }
+            self.refuse_joint(shortened(name), shortened(person), line);
             return None;
         }
         self.table.joints.push(name.into());
         Some(self.table.joints.len() - 1)
+    }
+
+    /// Once for each name; the long list of known ones once for the file.
+    fn refuse_joint(&mut self, name: String, person: String, line: u64) {
+        if !self.refused.insert(format!("joint/{name}")) {
+            return;
+        }
+        let reason = if std::mem::replace(&mut self.known_joints_told, true) {
+            Reason::UnknownJoint { person, joint: name }
+        } else {
+            Reason::Skeleton { person, source: SkeletonError::Unknown { name } }
+        };
+        self.violations.add(line, reason);
     }
 }
