@@ -1,7 +1,7 @@
 //! One insertion: the cells in conflict are removed and their hole is joined to the point.
 
 use super::Workspace;
-use super::cells::{Cell, FACET, FREE, above, plane};
+use super::cells::{Cell, FREE, above, facets, plane};
 use crate::geometry::Point;
 
 /// A facet of the cavity: positively oriented with the new point before it.
@@ -18,7 +18,7 @@ impl Workspace {
         self.round += 1;
         self.collect(points, point, first);
         self.fill(points.len() as u32, point);
-        self.link();
+        self.links.join(&self.boundary, &mut self.cells);
     }
 
     /// Collects the cells in conflict, which are connected, and the facets around them.
@@ -32,7 +32,7 @@ impl Workspace {
         while let Some(&cell) = self.cavity.get(next) {
             next += 1;
             let Cell { vertices, neighbours, .. } = self.cells[cell as usize];
-            for (facet, outside) in neighbours.into_iter().enumerate() {
+            for (corners, outside) in facets(vertices).into_iter().zip(neighbours) {
                 let other = outside >> 2;
                 let mark = self.cells[other as usize].mark;
                 if mark == conflict {
@@ -46,7 +46,7 @@ impl Workspace {
                     }
                     self.cells[other as usize].mark = clear;
                 }
-                self.boundary.push(Facet { corners: FACET[facet].map(|i| vertices[i]), outside });
+                self.boundary.push(Facet { corners, outside });
             }
         }
     }
@@ -56,11 +56,12 @@ impl Workspace {
         let q = self.lifted[point as usize];
         self.lifted[infinity as usize] = above(&q, &self.bounds);
         let mut vacant = self.cavity.iter().copied();
-        self.links.round(self.round);
-        for &Facet { corners, outside } in &self.boundary {
-            let [a, b, c] = corners.map(|v| &self.lifted[v as usize]);
+        let mut numbering = self.links.begin(self.round);
+        for facet in &mut self.boundary {
+            let Facet { corners: [i, j, k], outside } = *facet;
+            let [a, b, c] = [i, j, k].map(|v| &self.lifted[v as usize]);
             let made = Cell {
-                vertices: [point, corners[0], corners[1], corners[2]],
+                vertices: [point, i, j, k],
                 neighbours: [outside, 0, 0, 0],
                 plane: plane(&q, a, b, c),
                 mark: 0,
@@ -76,18 +77,13 @@ impl Workspace {
                 }
             };
             self.cells[(outside >> 2) as usize].neighbours[(outside & 3) as usize] = 4 * cell;
-            self.links.add(cell, corners);
+            *facet = numbering.add(cell, [i, j, k]);
             self.last = cell;
         }
         for cell in vacant {
             self.cells[cell as usize].vertices = FREE;
             self.free.push(cell);
         }
-    }
-
-    /// Makes the new cells each other's neighbours.
-    fn link(&mut self) {
-        self.links.join(&mut self.cells);
     }
 }
 
@@ -101,63 +97,86 @@ pub(super) struct Links {
     /// `SIDE · round + number` for each vertex; stale where the round is another.
     numbers: Vec<u32>,
     table: Vec<u32>,
-    /// Cells made this round with their corners' numbers.
-    made: Vec<(u32, [u32; 3])>,
     /// The edges of a large cavity.
-    edges: Vec<(u64, u32)>,
-    round: u32,
-    next: u32,
+    pub(super) edges: Vec<(u64, u32)>,
+    /// Corners met this round.
+    count: u32,
 }
 
 /// Corners a cavity may have to be linked by the table.
-const SIDE: u32 = 64;
+pub(super) const SIDE: usize = 64;
+const TABLE: usize = SIDE * SIDE;
+
+/// One round of [`Links`] while facets come in.
+struct Numbering<'a> {
+    numbers: &'a mut [u32],
+    table: &'a mut [u32; TABLE],
+    count: &'a mut u32,
+    round: u32,
+}
+
+/// The place of the directed edge `(i, j)`; the mask says to the compiler that there is one.
+#[inline(always)]
+fn place(i: u32, j: u32) -> usize {
+    (SIDE * i as usize + j as usize) & (TABLE - 1)
+}
+
+impl Numbering<'_> {
+    #[inline(always)]
+    fn number(&mut self, vertex: u32) -> u32 {
+        let side = SIDE as u32;
+        let number = &mut self.numbers[vertex as usize];
+        if *number / side != self.round {
+            *number = side * self.round + *self.count % side;
+            *self.count += 1;
+        }
+        *number % side
+    }
+
+    /// Adds a cell made on a facet; returns the facet with numbers for corners and the cell.
+    #[inline(always)]
+    fn add(&mut self, cell: u32, [i, j, k]: [u32; 3]) -> Facet {
+        let (a, b, c) = (self.number(i), self.number(j), self.number(k));
+        self.table[place(b, c)] = 4 * cell + 1;
+        self.table[place(c, a)] = 4 * cell + 2;
+        self.table[place(a, b)] = 4 * cell + 3;
+        Facet { corners: [a, b, c], outside: cell }
+    }
+}
 
 impl Links {
     /// Prepares for `count` points and the vertex at infinity.
     pub(super) fn start(&mut self, count: usize) {
         self.numbers.clear();
         self.numbers.resize(count + 1, 0);
-        self.table.resize((SIDE * SIDE) as usize, 0);
+        self.table.resize(TABLE, 0);
     }
 
-    fn round(&mut self, round: u32) {
-        self.made.clear();
-        (self.round, self.next) = (round, 0);
+    fn begin(&mut self, round: u32) -> Numbering<'_> {
+        let Links { numbers, table, count, .. } = self;
+        let table = table.first_chunk_mut().unwrap_or_else(|| unreachable!("sized by start"));
+        *count = 0;
+        Numbering { numbers, table, count, round }
     }
 
-    /// Adds a cell made on a facet with these corners.
-    fn add(&mut self, cell: u32, corners: [u32; 3]) {
-        let [a, b, c] = corners.map(|v| {
-            let number = &mut self.numbers[v as usize];
-            if *number / SIDE != self.round {
-                *number = SIDE * self.round + (self.next % SIDE);
-                self.next += 1;
-            }
-            *number % SIDE
-        });
-        self.made.push((cell, [a, b, c]));
-        for (facet, [i, j]) in [(1, [b, c]), (2, [c, a]), (3, [a, b])] {
-            self.table[(SIDE * i + j) as usize] = 4 * cell + facet;
+    /// Makes the cells of a round each other's neighbours; `made` as [`Numbering::add`] gave it.
+    fn join(&mut self, made: &[Facet], cells: &mut [Cell]) {
+        if self.count as usize > SIDE {
+            return self.join_sorted(made, cells);
         }
-    }
-
-    fn join(&mut self, cells: &mut [Cell]) {
-        if self.next > SIDE {
-            return self.join_sorted(cells);
-        }
-        for &(cell, [a, b, c]) in &self.made {
-            let across = |i: u32, j: u32| self.table[(SIDE * i + j) as usize];
+        let Some(table) = self.table.first_chunk::<TABLE>() else { return };
+        for &Facet { corners: [a, b, c], outside: cell } in made {
             let neighbours = &mut cells[cell as usize].neighbours;
-            neighbours[1] = across(c, b);
-            neighbours[2] = across(a, c);
-            neighbours[3] = across(b, a);
+            neighbours[1] = table[place(c, b)];
+            neighbours[2] = table[place(a, c)];
+            neighbours[3] = table[place(b, a)];
         }
     }
 
     #[cold]
-    fn join_sorted(&mut self, cells: &mut [Cell]) {
+    fn join_sorted(&mut self, made: &[Facet], cells: &mut [Cell]) {
         self.edges.clear();
-        for &(cell, _) in &self.made {
+        for &Facet { outside: cell, .. } in made {
             let [_, a, b, c] = cells[cell as usize].vertices;
             for (facet, [i, j]) in [(1, [b, c]), (2, [c, a]), (3, [a, b])] {
                 let key = u64::from(i.min(j)) << 32 | u64::from(i.max(j));

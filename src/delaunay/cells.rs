@@ -28,6 +28,12 @@ pub(super) const FREE: [u32; 4] = [u32::MAX; 4];
 /// The vertices other than the i-th, so ordered that `i` and they are an even permutation.
 pub(super) const FACET: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
 
+/// The facet opposite each vertex, positively oriented with that vertex before it.
+#[inline(always)]
+pub(super) fn facets([a, b, c, d]: [u32; 4]) -> [[u32; 3]; 4] {
+    [[b, c, d], [a, d, c], [a, b, d], [a, c, b]]
+}
+
 /// Bounds on rounding errors, from the sizes `X Y Z` of the centred coordinates and
 /// `W = X² + Y² + Z²`; beyond them a sign needs no exact arithmetic.
 #[derive(Clone, Copy, Debug, Default)]

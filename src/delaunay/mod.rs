@@ -84,8 +84,8 @@ pub enum DelaunayError {
         /// How many there are.
         points: usize,
     },
-    /// More points than indices go round.
-    #[error("{points} points, at most {MAX_POINTS} can be told apart")]
+    /// More points than [`MAX_POINTS`].
+    #[error("{points} points, at most {MAX_POINTS} are taken")]
     TooMany {
         /// How many there are.
         points: usize,

@@ -3,137 +3,13 @@
 //! Signs are computed in integers here, apart from the library's own predicates: coordinates are
 //! integers up to 2²⁰ times a power of two.
 
+mod definition;
+
+use definition::{Cell, at, check, in_sphere, volume};
 use handover_mesh::Point;
 use handover_mesh::delaunay::{Delaunay, DelaunayError, MAGNITUDES, Span, Workspace, delaunay};
 use proptest::prelude::*;
-use std::collections::{BTreeMap, BTreeSet, HashMap};
-
-type Cell = [i64; 3];
-
-/// A signed integer of 256 bits, enough for an `insphere` of 21-bit coordinates squared over.
-///
-/// Differences have 22 bits, squared distances 46, a minor of three columns with one of those 90,
-/// their products with the last column 138: more than an `i128` holds, so high and low parts.
-#[derive(Clone, Copy, Default, PartialEq)]
-struct Wide {
-    high: i128,
-    low: u64,
-}
-
-impl Wide {
-    /// Adds `a · b` for `|a| < 2¹⁰⁰` and `|b| < 2⁵⁰`, exactly.
-    fn add_product(&mut self, a: i128, b: i128) {
-        let (top, bottom) = (a >> 64, a & 0xffff_ffff_ffff_ffff);
-        let low = bottom * b + i128::from(self.low);
-        self.low = low as u64;
-        self.high += top * b + (low >> 64);
-    }
-
-    fn signum(self) -> i32 {
-        if self.high == 0 { i32::from(self.low > 0) } else { self.high.signum() as i32 }
-    }
-}
-
-/// `det(b − a, c − a, d − a)`.
-fn volume(a: Cell, b: Cell, c: Cell, d: Cell) -> i128 {
-    let minus = |p: Cell| [0, 1, 2].map(|i| i128::from(p[i] - a[i]));
-    det([minus(b), minus(c), minus(d)])
-}
-
-fn det([b, c, d]: [[i128; 3]; 3]) -> i128 {
-    b[0] * (c[1] * d[2] - c[2] * d[1])
-        + b[1] * (c[2] * d[0] - c[0] * d[2])
-        + b[2] * (c[0] * d[1] - c[1] * d[0])
-}
-
-/// Positive if `p` is strictly inside the sphere of a positively oriented tetrahedron.
-///
-/// The determinant of the lifted differences to `p`, expanded along the lifted column.
-fn in_sphere(corners: [Cell; 4], p: Cell) -> i32 {
-    let rows = corners.map(|corner| [0, 1, 2].map(|i| i128::from(corner[i] - p[i])));
-    let lift = rows.map(|r| r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
-    let mut sum = Wide::default();
-    for i in 0..4 {
-        let others: Vec<[i128; 3]> = (0..4).filter(|&j| j != i).map(|j| rows[j]).collect();
-        let minor = det([others[0], others[1], others[2]]);
-        // Checked on a corner tetrahedron below.
-        sum.add_product(if i % 2 == 0 { minor } else { -minor }, lift[i]);
-    }
-    sum.signum()
-}
-
-fn at(cell: Cell, unit: f64) -> Point {
-    Point::from(cell.map(|c| c as f64 * unit))
-}
-
-/// All the definition asks for, exactly.
-#[track_caller]
-fn check(cells: &[Cell], unit: f64) -> Delaunay {
-    let points: Vec<Point> = cells.iter().map(|&cell| at(cell, unit)).collect();
-    let found = delaunay(&points).expect("the points span a volume");
-    let corners = |t: &[u32; 4]| t.map(|v| cells[v as usize]);
-
-    let mut first = HashMap::new();
-    let mut dropped = Vec::new();
-    for (index, cell) in cells.iter().enumerate() {
-        match first.get(cell) {
-            Some(&kept) => dropped.push([index, kept]),
-            None => drop(first.insert(*cell, index)),
-        }
-    }
-    assert_eq!(found.duplicates(), dropped);
-    let used: BTreeSet<usize> = found.tetrahedra().iter().flatten().map(|&v| v as usize).collect();
-    assert_eq!(used, first.values().copied().collect(), "vertices");
-
-    // Facets by corners: two tetrahedra on opposite sides, or one and then a face of the hull.
-    let mut facets: BTreeMap<[u32; 3], Vec<(u32, [u32; 3])>> = BTreeMap::new();
-    let mut sum = 0;
-    for t in found.tetrahedra() {
-        let [a, b, c, d] = corners(t);
-        assert!(volume(a, b, c, d) > 0, "{t:?} is flat or turned inside out");
-        sum += volume(a, b, c, d);
-        for cell in first.keys() {
-            assert!(in_sphere([a, b, c, d], *cell) <= 0, "{cell:?} inside the sphere of {t:?}");
-        }
-        let [a, b, c, d] = *t;
-        for (apex, facet) in [(a, [b, d, c]), (b, [a, c, d]), (c, [a, d, b]), (d, [a, b, c])] {
-            let mut key = facet;
-            key.sort_unstable();
-            facets.entry(key).or_default().push((apex, facet));
-        }
-    }
-    // The cone from one point over the hull's faces is the hull.
-    let mut hull = 0;
-    let mut rim: BTreeMap<[u32; 2], i32> = BTreeMap::new();
-    for sides in facets.values() {
-        assert!(sides.len() <= 2);
-        let [a, b, c] = sides[0].1.map(|v| cells[v as usize]);
-        let side = |v: u32| volume(a, b, c, cells[v as usize]).signum();
-        if let [(one, _), (other, _)] = sides[..] {
-            assert_eq!(side(one), -side(other), "both on one side");
-            continue;
-        }
-        for cell in first.keys() {
-            assert!(volume(a, b, c, *cell).signum() * side(sides[0].0) >= 0, "not the hull");
-        }
-        hull += volume(a, b, c, cells[0]).abs();
-        let [a, b, c] = sides[0].1;
-        for [i, j] in [[a, b], [b, c], [c, a]] {
-            *rim.entry([i.min(j), i.max(j)]).or_default() += if i < j { 1 } else { -1 };
-        }
-    }
-    assert!(rim.values().all(|&turns| turns == 0), "the boundary is not closed");
-    assert_eq!(sum, hull, "volume");
-
-    let edges = found.edges();
-    assert!(edges.windows(2).all(|pair| pair[0] < pair[1]));
-    let expected: BTreeSet<[usize; 2]> = (found.tetrahedra().iter())
-        .flat_map(|t| (0..16).map(move |k| [t[k / 4] as usize, t[k % 4] as usize]))
-        .filter(|[i, j]| i < j)
-        .collect();
-    assert!(edges.iter().eq(expected.iter()));
-    found
-}
+use std::collections::BTreeSet;
 
 fn sorted(found: &Delaunay, name: impl Fn(u32) -> u32) -> Vec<[u32; 4]> {
     let mut all: Vec<[u32; 4]> = found.tetrahedra().iter().map(|t| t.map(&name)).collect();
@@ -316,7 +192,7 @@ fn bad_coordinates_are_named() {
 /// With `robust` itself: any doubles, here at scales that are no power of two.
 #[track_caller]
 fn check_rounded(points: &[Point]) {
-    let found = delaunay(points).unwrap();
+    let found = delaunay(points).expect("the points span a volume");
     let corner = |v: u32| {
         let p = points[v as usize];
         robust::Coord3D { x: p.x, y: p.y, z: p.z }
