@@ -34,10 +34,12 @@ pub fn draw(random: &mut impl Rng) -> SceneConfig {
     let distance = (arms[0] + arms[1]) * random.random_range(0.70..0.92);
     let shift = [0.04, 0.05, 0.05].map(|spread| normal(random, 0.0, spread, 0.12));
     let walker = random.random_range(0..8);
-    let approach = (walker < 2).then(|| Approach {
-        role: if walker == 0 { Role::First } else { Role::Second },
-        distance: random.random_range(0.35..0.9),
-        duration: random.random_range(1.3..2.0),
+    let approach = (walker < 2).then(|| {
+        let role = if walker == 0 { Role::First } else { Role::Second };
+        let distance = random.random_range(0.35..0.8);
+        // A first and a last half step, and the way at an indoor pace between them.
+        let duration = 1.0 + distance / random.random_range(0.55..0.75);
+        Approach { role, distance, duration }
     });
     let config = SceneConfig {
         giver,

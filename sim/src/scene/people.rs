@@ -125,7 +125,7 @@ pub(super) fn ankle(body: &Body, side: Side, distance: f64, part: f64) -> Point 
     let hips_at = |part: f64| distance * (crate::profile::minimum_jerk(part) - 1.0);
     let landing = |swing: usize| {
         // The last swing of either foot brings it beside the other.
-        if swing + 2 >= swings { 0.0 } else { hips_at((swing as f64 + 2.0) * length) }
+        if swing + 2 >= swings { 0.0 } else { hips_at((swing as f64 + 1.5) * length) }
     };
     let own = |swing: &usize| swing % 2 == side as usize;
     let (mut ahead, mut lift) = (-distance, 0.0);

@@ -240,8 +240,8 @@ impl Scene {
             let (distance, part) = self.walk(role, seconds);
             (distance * (crate::profile::minimum_jerk(part) - 1.0), bell(part, 0.0, 1.0))
         });
-        // Longer steps need lower hips: 3 % of the hip height bridge a step of a quarter of it.
-        let height = body.hip_height() * (1.0 - 0.035 * speed);
+        // Longer steps need lower hips: 5 % of a leg frees its foot by 0.3 of it.
+        let height = body.hip_height() * (1.0 - 0.05 * speed);
         let hips = Vector::new(behind, 0.0, height) + sway;
         Stance {
             pair_from_hips: self.stand(role) * yaw_isometry(tilt * wave(0.19, 2.2), hips),
