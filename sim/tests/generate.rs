@@ -1,5 +1,7 @@
 //! The real process: equal seeds give equal bytes, folders are respected, exit codes hold.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic as tests do")]
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,7 @@
 //! The truth: bones, hands that meet, motions that start and end at rest, who leads.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic as tests do")]
+
 use handover_mesh::{Role, Side, Skeleton, Span, Stamp, Vector};
 use handover_sim::scene::{Approach, PersonConfig, Scene, SceneConfig, Timing, draw};
 use rand::SeedableRng;
@@ -57,7 +59,7 @@ fn bones_never_change_and_feet_stay_on_the_floor() {
                     let acceleration = ((a - 2.0 * b + c) / (step * step)).norm();
                     let name = skeleton.name(joint);
                     assert!(
-                        acceleration < 60.0,
+                        acceleration < 45.0,
                         "seed {seed}, {role:?} {name} at {k}: {acceleration}"
                     );
                 }
@@ -86,7 +88,7 @@ fn hands_meet_at_the_gap_while_both_hold() {
             assert!((middle - scene.meeting_point()).norm() < 1e-9, "seed {seed}");
         }
     }
-    assert!(reached >= 285, "only {reached} of 300 instants within reach");
+    assert!(reached >= 295, "only {reached} of 300 instants within reach");
 }
 
 #[test]

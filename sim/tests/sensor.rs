@@ -1,5 +1,7 @@
 //! The measurement: noise, losses, holds and swaps do what they say, and nothing else.
 
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic as tests do")]
+
 use handover_mesh::{
     Frame, JointId, Part, Person, Point, Recording, Role, Sequence, Side, Skeleton, Span, Stamp,
 };
