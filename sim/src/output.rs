@@ -71,6 +71,7 @@ pub fn manifest(seed: u64, noise: &str, sensor: &SensorConfig, clips: Vec<Value>
             "depth_noise": sensor.depth_noise,
             "depth_step": sensor.depth_step,
             "angle_noise": sensor.angle_noise,
+            "pixels": sensor.pixels,
             "joint_noise": sensor.joint_noise,
             "joint_noise_time": sensor.joint_noise_time,
             "frame_loss": sensor.frame_loss,

@@ -25,10 +25,11 @@ pub fn step(seconds: f64, start: f64, end: f64) -> f64 {
     }
 }
 
-/// The speed of [`step`] as a bell, 1 at its middle, 0 outside.
+/// A bell between two instants: 1 in the middle, 0 outside, velocity and acceleration zero at
+/// both ends.
 pub fn bell(seconds: f64, start: f64, end: f64) -> f64 {
     let t = if end > start { ((seconds - start) / (end - start)).clamp(0.0, 1.0) } else { 0.0 };
-    (4.0 * t * (1.0 - t)).powi(2)
+    (4.0 * t * (1.0 - t)).powi(3)
 }
 
 /// A slow wave in `[−1, 1]` that does not repeat within a clip: two sines without a common period.

@@ -34,10 +34,12 @@ pub fn draw(random: &mut impl Rng) -> SceneConfig {
     let distance = (arms[0] + arms[1]) * random.random_range(0.70..0.92);
     let shift = [0.04, 0.05, 0.05].map(|spread| normal(random, 0.0, spread, 0.12));
     let walker = random.random_range(0..8);
-    let approach = (walker < 2).then(|| Approach {
-        role: if walker == 0 { Role::First } else { Role::Second },
-        distance: random.random_range(0.35..0.9),
-        duration: random.random_range(1.3..2.0),
+    let approach = (walker < 2).then(|| {
+        let role = if walker == 0 { Role::First } else { Role::Second };
+        let distance = random.random_range(0.35..0.8);
+        // A first and a last half step, and the way at an indoor pace between them.
+        let duration = 1.2 + distance / random.random_range(0.5..0.7);
+        Approach { role, distance, duration }
     });
     let config = SceneConfig {
         giver,
@@ -96,8 +98,14 @@ fn lean_to_reach(mut config: SceneConfig) -> SceneConfig {
     // The meeting point moves with the shoulders, so each step is looked at anew.
     for _ in 0..20 {
         let Ok(scene) = Scene::new(config.clone()) else { break };
-        // A little before contact too: the arm should not snap straight.
-        let short = |role| scene.pose(role, scene.moments().contact).shortfall > 0.0;
+        // All through the time a hand is out, since its owner sways.
+        let moments = scene.moments();
+        let short = |role: Role| {
+            let ([_, arrival], [leave, _]) =
+                (moments.reach[role as usize], moments.retreat[role as usize]);
+            let instants = (0..=8).map(|k| arrival + (leave - arrival) * f64::from(k) / 8.0);
+            instants.into_iter().any(|now| scene.pose(role, now).shortfall > 0.0)
+        };
         let [giver, receiver] = [Role::First, Role::Second].map(short);
         if !giver && !receiver {
             break;

@@ -12,6 +12,7 @@
 mod config;
 mod draw;
 mod moments;
+mod motion;
 mod people;
 mod play;
 

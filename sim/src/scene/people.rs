@@ -4,12 +4,12 @@
 //! its own axis; arms and legs follow by two-bone inverse kinematics. Every bone is a rotated
 //! constant, so its length never changes.
 
-use handover_mesh::geometry::yaw_isometry;
 use handover_mesh::kinematics::two_bone;
 use handover_mesh::{Isometry, Point, Side, Vector};
 use nalgebra::{Translation3, UnitQuaternion};
 
 use crate::body::{Body, sign};
+use crate::profile::{bell, minimum_jerk, step};
 
 /// How a person stands at one instant, apart from hands and feet.
 #[derive(Debug, Clone, Copy)]
@@ -122,28 +122,20 @@ impl Trunk {
 pub(super) fn ankle(body: &Body, side: Side, distance: f64, part: f64) -> Point {
     let swings = 2 * (distance / 0.7).ceil().max(1.0) as usize + 2;
     let length = 1.0 / swings as f64;
-    let hips_at = |part: f64| distance * (crate::profile::minimum_jerk(part) - 1.0);
+    let hips_at = |part: f64| distance * (minimum_jerk(part) - 1.0);
     let landing = |swing: usize| {
         // The last swing of either foot brings it beside the other.
-        if swing + 2 >= swings { 0.0 } else { hips_at((swing as f64 + 2.0) * length) }
+        if swing + 2 >= swings { 0.0 } else { hips_at((swing as f64 + 1.5) * length) }
     };
     let own = |swing: &usize| swing % 2 == side as usize;
     let (mut ahead, mut lift) = (-distance, 0.0);
     for swing in (0..swings).filter(own) {
         let start = swing as f64 * length;
-        let done = crate::profile::step(part, start, start + length);
+        let done = step(part, start, start + length);
         ahead += (landing(swing) - ahead) * done;
-        lift += 0.07 * crate::profile::bell(part, start, start + length);
+        lift += 0.06 * bell(part, start, start + length);
     }
     // Feet stand a little wider than the hips.
     let wide = body.hip(side) * 1.2;
     Point::new(ahead, wide.y, body.ankle_height() + if distance > 0.0 { lift } else { 0.0 })
-}
-
-/// The upright frame of someone's feet: `pair` from it.
-///
-/// - `along`: where they stand on the line between the people, `[m]`.
-/// - `yaw`: `[rad]` from x of `pair`.
-pub(super) fn pair_from_stand(along: f64, yaw: f64) -> Isometry {
-    yaw_isometry(yaw, Vector::new(along, 0.0, 0.0))
 }

@@ -93,7 +93,7 @@ impl Sensor {
     /// Without noise, steps, losses and faults this is the truth, bit for bit.
     ///
     /// # Errors
-    /// [`RecordError`] if a point so far off that noise takes it out of range of numbers.
+    /// [`RecordError`] if a point is so far off that noise takes it out of the range of numbers.
     pub fn observe(&self, truth: &Recording, random: &mut impl Rng) -> Result<View, RecordError> {
         let config = &self.config;
         let arrives: Vec<bool> = (0..truth.len())
@@ -139,8 +139,10 @@ impl Sensor {
         for (frame, arrived) in motion.frames().iter().zip(arrives) {
             let elapsed = last.replace(frame.stamp).map_or(Span(0), |last| frame.stamp - last);
             let elapsed = elapsed.seconds();
-            let seen = frame.positions.iter().zip(&mut drifts).map(|(point, drift)| {
-                camera.measured(config, point, random) + drift.next(config, elapsed, random)
+            let joints = skeleton.joints().zip(&frame.positions).zip(&mut drifts);
+            let seen = joints.map(|((joint, point), drift)| {
+                let part = skeleton.part_of(joint);
+                camera.measured(config, point, random) + drift.next(config, part, elapsed, random)
             });
             let mut points: Vec<Point> = seen.collect();
             let wrong = faults.apply(config, skeleton, elapsed, &mut points, random);

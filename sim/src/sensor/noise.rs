@@ -4,7 +4,7 @@
 //! between two depths grow as `Z²` (Khoshelham & Elberink 2012). An error in depth moves a point
 //! along its ray, since the direction is known from the pixel.
 
-use handover_mesh::{Point, Vector};
+use handover_mesh::{Part, Point, Vector};
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -44,10 +44,12 @@ impl Camera {
     ) -> Point {
         let [ahead, left, up] = normals(random);
         let depth = self.depth(point).max(NEAREST);
-        let noisy = depth + config.depth_noise * depth * depth * ahead;
-        let seen = quantised(noisy.max(NEAREST), config.depth_step);
+        let averaged = 1.0 / config.pixels.sqrt();
+        let noisy = depth + averaged * config.depth_noise * depth * depth * ahead;
+        let seen = quantised(noisy.max(NEAREST), averaged * config.depth_step);
         let along_ray = (point - self.position) * (seen / depth - 1.0);
-        let across = (self.left * left + Vector::z() * up) * (config.angle_noise * depth);
+        let spread = averaged * config.angle_noise * depth;
+        let across = (self.left * left + Vector::z() * up) * spread;
         point + along_ray + across
     }
 }
@@ -66,10 +68,11 @@ fn quantised(depth: f64, step: f64) -> f64 {
 pub(super) struct Drift(Option<Vector>);
 
 impl Drift {
-    /// The error `[m]` a time `elapsed` `[s]` after the last one.
+    /// The error `[m]` of a joint that is `part`, a time `elapsed` `[s]` after the last one.
     pub(super) fn next(
         &mut self,
         config: &SensorConfig,
+        part: Option<Part>,
         elapsed: f64,
         random: &mut impl Rng,
     ) -> Vector {
@@ -82,7 +85,17 @@ impl Drift {
             _ => fresh,
         };
         self.0 = Some(unit);
-        unit * config.joint_noise
+        unit * (config.joint_noise * looseness(part))
+    }
+}
+
+/// How badly a part of the body is seen, against an elbow or a knee: errors of a fit grow
+/// towards the ends of the limbs.
+fn looseness(part: Option<Part>) -> f64 {
+    match part {
+        Some(Part::Hand(_) | Part::Foot(_)) => 2.0,
+        Some(Part::Elbow(_) | Part::Knee(_)) | None => 1.0,
+        Some(_) => 0.5,
     }
 }
 
@@ -114,7 +127,8 @@ mod tests {
             SensorConfig { joint_noise: 0.01, joint_noise_time: 0.2, ..SensorConfig::ideal(30.0) };
         let mut random = ChaCha8Rng::seed_from_u64(1);
         let mut drift = Drift::default();
-        let path: Vec<f64> = (0..20_000).map(|_| drift.next(&config, 0.1, &mut random).x).collect();
+        let path: Vec<f64> =
+            (0..20_000).map(|_| drift.next(&config, None, 0.1, &mut random).x).collect();
         let variance = path.iter().map(|x| x * x).sum::<f64>() / path.len() as f64;
         let lagged = path.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>();
         assert!((variance.sqrt() / 0.01 - 1.0).abs() < 0.05);
