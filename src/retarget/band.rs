@@ -42,6 +42,11 @@ impl BandMatrix {
         Self { size, reach, values, inverse_diagonal: vec![0.0; size], arch: Arch::new() }
     }
 
+    /// Entries farther from the diagonal than this are zero.
+    pub fn half_bandwidth(&self) -> usize {
+        self.reach
+    }
+
     /// The number of rows.
     pub fn size(&self) -> usize {
         self.size
