@@ -16,6 +16,8 @@ pub use pair::{Pair, Vertex};
 pub use topology::{Edge, InitialEdges, Topology};
 pub use weights::{EdgeWeights, Kernel};
 
+use crate::delaunay::DelaunayError;
+
 /// Why a mesh could not be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MeshError {
@@ -47,6 +49,9 @@ pub enum MeshError {
         /// The joint, counted over both people.
         joint: usize,
     },
+    /// A frame's positions have no exact tetrahedra.
+    #[error("tetrahedra of a frame: {0}")]
+    Delaunay(#[from] DelaunayError),
     /// A position is NaN or infinite.
     #[error("frame {frame}, joint {joint}: position is not finite")]
     NotFinite {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{MeshError, Pair, Vertex};
-use crate::delaunay::delaunay;
+use crate::delaunay::{DelaunayError, delaunay};
 use crate::geometry::Point;
 use crate::skeleton::Role;
 
@@ -100,7 +100,8 @@ impl Topology {
     /// People whose joints span no volume get their bones alone.
     ///
     /// # Errors
-    /// [`MeshError::Shape`] if `positions` is not one frame.
+    /// [`MeshError::Shape`] if `positions` is not one frame, [`MeshError::Delaunay`] if a
+    /// coordinate is not finite or too large or small for exact predicates.
     pub fn initial(
         pair: Arc<Pair>,
         positions: &[Point],
@@ -121,10 +122,14 @@ impl Topology {
         let mut found = Vec::new();
         for vertices in everyone {
             let points: Vec<Point> = vertices.iter().map(|v| positions[v.index()]).collect();
-            // Flat people (all joints in one plane) have no tetrahedra: their bones remain.
-            if let Ok(tetrahedra) = delaunay(&points) {
-                let edges = tetrahedra.edges().into_iter();
-                found.extend(edges.map(|[a, b]| Edge::new(vertices[a], vertices[b])));
+            match delaunay(&points) {
+                Ok(tetrahedra) => {
+                    let edges = tetrahedra.edges().into_iter();
+                    found.extend(edges.map(|[a, b]| Edge::new(vertices[a], vertices[b])));
+                }
+                // Flat people (all joints in one plane) have no tetrahedra: their bones remain.
+                Err(DelaunayError::Flat { .. } | DelaunayError::TooFew { .. }) => {}
+                Err(error) => return Err(error.into()),
             }
         }
         Self::new(pair, found)

@@ -6,7 +6,7 @@
 //!
 //! Knows nothing of meshes. Allocates only when made.
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Rows factored together; their storage starts at a common column.
 const BLOCK: usize = 4;
@@ -40,6 +40,11 @@ impl BandMatrix {
         let reach = half_bandwidth.next_multiple_of(BLOCK);
         let values = vec![0.0; size * (reach + BLOCK)];
         Self { size, reach, values, inverse_diagonal: vec![0.0; size], arch: Arch::new() }
+    }
+
+    /// Entries farther from the diagonal than this are zero.
+    pub fn half_bandwidth(&self) -> usize {
+        self.reach
     }
 
     /// The number of rows.
@@ -79,7 +84,7 @@ impl BandMatrix {
     /// meaningless until the next [`Self::clear`].
     pub fn factor(&mut self) -> Result<(), NotPositiveDefinite> {
         let arch = self.arch;
-        arch.dispatch(|| self.factor_blocks())
+        arch.dispatch(Factor(self))
     }
 
     #[inline(always)]
@@ -156,7 +161,7 @@ impl BandMatrix {
     /// If `rhs` has not one row per unknown.
     pub fn solve<const W: usize>(&self, rhs: &mut [[f64; W]]) {
         assert_eq!(rhs.len(), self.size, "one row of the right-hand side per unknown");
-        self.arch.dispatch(|| self.substitute(rhs));
+        self.arch.dispatch(Substitute(self, rhs));
     }
 
     #[inline(always)]
@@ -194,6 +199,30 @@ impl BandMatrix {
         let block = row - row % BLOCK;
         let first = block.saturating_sub(self.reach);
         (first, first + self.reach - block)
+    }
+}
+
+/// Work that is compiled once for each set of vector instructions; all it calls is inlined.
+struct Factor<'a>(&'a mut BandMatrix);
+
+impl WithSimd for Factor<'_> {
+    type Output = Result<(), NotPositiveDefinite>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Self::Output {
+        self.0.factor_blocks()
+    }
+}
+
+/// As [`Factor`], for the substitutions.
+struct Substitute<'a, const W: usize>(&'a BandMatrix, &'a mut [[f64; W]]);
+
+impl<const W: usize> WithSimd for Substitute<'_, W> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        self.0.substitute(self.1);
     }
 }
 

@@ -130,6 +130,13 @@ pub struct Workspace {
     sizes: Vec<f64>,
 }
 
+impl Workspace {
+    /// The normal matrix of the last [`Retargeter::assemble`], or its factor.
+    pub fn matrix(&self) -> &BandMatrix {
+        &self.matrix
+    }
+}
+
 impl Retargeter {
     /// Lays out the system.
     ///
