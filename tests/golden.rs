@@ -1,6 +1,8 @@
 //! Solves of `tests/data/golden_solves.json`, made by a slow independent implementation
 //! (numpy, scipy) on synthetic motion: every coordinate within 1e-6 m.
 
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests, as tests do")]
+
 use std::sync::Arc;
 
 use handover_mesh::mesh::{Edge, EdgeWeights, InteractionMesh, Kernel, Pair, Topology, Vertex};

@@ -10,7 +10,8 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result};
 use clap::{Parser, Subcommand, ValueEnum};
-use handover_sim::output::{clip_entry, manifest, write_csv};
+use handover_mesh::formats::csv;
+use handover_sim::output::{clip_entry, manifest};
 use handover_sim::sensor::{Sensor, SensorConfig};
 use handover_sim::{Clip, generate};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -161,8 +162,10 @@ impl Made {
 
 fn make(seed: u64, index: u32, name: &str, sensor: &Sensor, folder: &OutputFolder) -> Result<Made> {
     let clip: Clip = generate(seed, index.into(), name, sensor).with_context(|| name.to_owned())?;
-    folder.write(&format!("truth/{name}.csv"), &write_csv(&clip.truth))?;
-    folder.write(&format!("measured/{name}.csv"), &write_csv(&clip.view.measured))?;
+    for (part, recording) in [("truth", &clip.truth), ("measured", &clip.view.measured)] {
+        let text = csv::write_rounded(recording).with_context(|| name.to_owned())?;
+        folder.write(&format!("{part}/{name}.csv"), text.as_bytes())?;
+    }
     Ok(Made {
         entry: clip_entry(&clip),
         frames: clip.truth.len(),

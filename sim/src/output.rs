@@ -1,59 +1,11 @@
-//! Recordings → bytes, and the manifest that says what each clip is.
+//! Clips → the manifest that says what each of them is.
 
-use std::fmt::Write;
-
-use handover_mesh::{Part, Point, Recording, Role, Side, Stamp};
+use handover_mesh::{Part, Point, Role, Side};
 use serde_json::{Value, json};
 
 use crate::Clip;
-use crate::scene::{GIVER, OBJECT, PersonConfig, RECEIVER, SceneConfig};
+use crate::scene::{GIVER, PersonConfig, RECEIVER, SceneConfig};
 use crate::sensor::SensorConfig;
-
-/// A recording as CSV: `frame,time_s,person,joint,x,y,z`, metres, a row for each joint.
-///
-/// For each frame the first person's joints, the second's, then the object where it is known at
-/// that instant. Time has nine decimals (the stamp exactly), places six.
-pub fn write_csv(recording: &Recording) -> Vec<u8> {
-    let mut text = String::from("frame,time_s,person,joint,x,y,z\n");
-    let mut places = recording.object().map_or(&[][..], |object| &object.places).iter().peekable();
-    for (frame, stamp) in recording.stamps().enumerate() {
-        let mut row = |person: &str, joint: &str, p: &Point| {
-            let time = Seconds(stamp);
-            // Writing to a string cannot fail.
-            let [x, y, z] = [p.x, p.y, p.z].map(micrometres);
-            let _ = writeln!(text, "{frame},{time},{person},{joint},{x:.6},{y:.6},{z:.6}");
-        };
-        for person in recording.people() {
-            let names = person.motion.skeleton().names();
-            for (joint, point) in names.iter().zip(&person.motion.frames()[frame].positions) {
-                row(&person.name, joint, point);
-            }
-        }
-        while places.next_if(|(at, _)| *at < stamp).is_some() {}
-        if let Some((_, place)) = places.next_if(|(at, _)| *at == stamp) {
-            let name = recording.object().map_or(OBJECT, |object| &object.name);
-            row(name, OBJECT, place);
-        }
-    }
-    text.into_bytes()
-}
-
-/// Rounded to six decimals, and never the `-0.000000` that a small negative would print.
-fn micrometres(coordinate: f64) -> f64 {
-    (coordinate * 1e6).round() / 1e6 + 0.0
-}
-
-/// A stamp as seconds with all nine decimals: `f64` would round.
-struct Seconds(Stamp);
-
-impl std::fmt::Display for Seconds {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Stamp(nanoseconds) = self.0;
-        let sign = if nanoseconds < 0 { "-" } else { "" };
-        let size = nanoseconds.unsigned_abs();
-        write!(f, "{sign}{}.{:09}", size / 1_000_000_000, size % 1_000_000_000)
-    }
-}
 
 /// What a set of clips is: seed, sensor, and every clip's parameters.
 ///
@@ -156,16 +108,4 @@ fn person_entry(person: &PersonConfig) -> Value {
         "swivel": person.swivel,
         "carry": person.carry,
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn stamps_are_written_to_the_nanosecond() {
-        let text = |nanoseconds| Seconds(Stamp(nanoseconds)).to_string();
-        assert_eq!(text(33_333_333), "0.033333333");
-        assert_eq!(text(-1_500_000_000), "-1.500000000");
-    }
 }

@@ -2,20 +2,21 @@
 
 use std::collections::BTreeMap;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
-use super::Violation;
+use super::{Change, Violation};
 
 /// Keys and values that are taken one by one; what nobody takes is unknown.
 pub(super) struct Fields {
     values: BTreeMap<String, Value>,
     violations: Vec<Violation>,
+    changes: Vec<Change>,
     known: Vec<&'static str>,
 }
 
 impl Fields {
     pub(super) fn new(values: BTreeMap<String, Value>, violations: Vec<Violation>) -> Self {
-        Self { values, violations, known: Vec::new() }
+        Self { values, violations, changes: Vec::new(), known: Vec::new() }
     }
 
     /// Every key that was asked for.
@@ -25,17 +26,23 @@ impl Fields {
     }
 
     /// Sets `target` if the key is there and `parse` takes its value; else remembers the bound.
-    fn take<T>(
+    fn take<T: PartialEq>(
         &mut self,
         key: &'static str,
         target: &mut T,
         parse: impl Fn(&Value) -> Option<T>,
+        show: impl Fn(&T) -> Value,
         bound: impl FnOnce() -> String,
     ) {
         self.known.push(key);
         let Some(value) = self.values.remove(key) else { return };
         match parse(&value) {
-            Some(parsed) => *target = parsed,
+            Some(parsed) if parsed == *target => {}
+            Some(parsed) => {
+                let (value, default) = (show(&parsed), show(target));
+                self.changes.push(Change { key: key.to_owned(), value, default });
+                *target = parsed;
+            }
             None => {
                 let problem = format!("is {value}, must be {}", bound());
                 self.violations.push(Violation { key: key.to_owned(), problem });
@@ -46,7 +53,7 @@ impl Fields {
     /// A number between two bounds, both included.
     pub(super) fn float(&mut self, key: &'static str, target: &mut f64, low: f64, high: f64) {
         let parse = |value: &Value| value.as_f64().filter(|number| (low..=high).contains(number));
-        self.take(key, target, parse, || format!("a number from {low} to {high}"));
+        self.take(key, target, parse, |n| json!(n), || format!("a number from {low} to {high}"));
     }
 
     /// A whole number between two bounds, both included.
@@ -55,22 +62,23 @@ impl Fields {
             let number = usize::try_from(value.as_u64()?).ok()?;
             (low..=high).contains(&number).then_some(number)
         };
-        self.take(key, target, parse, || format!("a whole number from {low} to {high}"));
+        let bound = || format!("a whole number from {low} to {high}");
+        self.take(key, target, parse, |n| json!(n), bound);
     }
 
     /// A text that is not empty.
     pub(super) fn text(&mut self, key: &'static str, target: &mut String) {
-        self.take(key, target, text, || "text".to_owned());
+        self.take(key, target, text, |text| json!(text), || "text".to_owned());
     }
 
     /// A list of texts.
     pub(super) fn texts(&mut self, key: &'static str, target: &mut Vec<String>) {
         let parse = |value: &Value| value.as_array()?.iter().map(text).collect();
-        self.take(key, target, parse, || "a list of texts".to_owned());
+        self.take(key, target, parse, |texts| json!(texts), || "a list of texts".to_owned());
     }
 
     /// One of some named values.
-    pub(super) fn choice<T: Copy>(
+    pub(super) fn choice<T: Copy + PartialEq>(
         &mut self,
         key: &'static str,
         target: &mut T,
@@ -79,12 +87,14 @@ impl Fields {
         let parse = |value: &Value| {
             choices.iter().find(|(name, _)| value.as_str() == Some(name)).map(|(_, choice)| *choice)
         };
+        let show =
+            |choice: &T| json!(choices.iter().find(|(_, c)| c == choice).map(|(name, _)| name));
         let names = || choices.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
-        self.take(key, target, parse, || format!("one of {}", names()));
+        self.take(key, target, parse, show, || format!("one of {}", names()));
     }
 
-    /// All violations, those of unknown keys last.
-    pub(super) fn finish(mut self) -> Vec<Violation> {
+    /// What differs from the defaults, or all violations, those of unknown keys last.
+    pub(super) fn finish(mut self) -> Result<Vec<Change>, Vec<Violation>> {
         for key in self.values.keys() {
             let (section, _) = key.split_once('.').unwrap_or((key, ""));
             let siblings: Vec<&str> = self
@@ -102,7 +112,7 @@ impl Fields {
             };
             self.violations.push(Violation { key: key.clone(), problem });
         }
-        self.violations
+        if self.violations.is_empty() { Ok(self.changes) } else { Err(self.violations) }
     }
 }
 

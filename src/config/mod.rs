@@ -52,6 +52,17 @@ impl Default for Config {
     }
 }
 
+/// One parameter that is not what it is by default.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Change {
+    /// The key, dotted.
+    pub key: String,
+    /// What it is.
+    pub value: Value,
+    /// What it would be.
+    pub default: Value,
+}
+
 /// One parameter that cannot be meant.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Violation {
@@ -89,6 +100,21 @@ impl Config {
     /// # Errors
     /// [`ConfigError`] with every unknown key, wrong type and value out of range.
     pub fn from_yaml(yaml: &str, settings: &[(String, String)]) -> Result<Self, ConfigError> {
+        Self::parse(yaml, settings).map(|(config, _)| config)
+    }
+
+    /// What a parameter file's text changes, in the order of `config/handover.yaml`.
+    ///
+    /// # Errors
+    /// As [`Config::from_yaml`].
+    pub fn changes(yaml: &str) -> Result<Vec<Change>, ConfigError> {
+        Self::parse(yaml, &[]).map(|(_, changes)| changes)
+    }
+
+    fn parse(
+        yaml: &str,
+        settings: &[(String, String)],
+    ) -> Result<(Self, Vec<Change>), ConfigError> {
         let mut values = BTreeMap::new();
         if !yaml.trim().is_empty() {
             let file: Value = parse_yaml(yaml).map_err(ConfigError::Yaml)?;
@@ -106,8 +132,8 @@ impl Config {
         }
         let mut fields = Fields::new(values, violations);
         let config = Self::from_fields(&mut fields);
-        let violations = fields.finish();
-        if violations.is_empty() { Ok(config) } else { Err(ConfigError::Violations(violations)) }
+        let changes = fields.finish().map_err(ConfigError::Violations)?;
+        Ok((config, changes))
     }
 
     /// Every key there is, with its bounds: the one place that knows them.
@@ -247,6 +273,15 @@ mod tests {
             [("mesh.scale".into(), "2".into()), ("mesh.kernel".into(), "uniform".into())];
         let config = Config::from_yaml(yaml, &settings).unwrap();
         assert_eq!((config.predict.retarget.steps, config.predict.kernel), (7, Kernel::Uniform));
+    }
+
+    #[test]
+    fn changes_are_told_with_the_defaults() {
+        let yaml = "/**:\n  ros__parameters:\n    mesh: {kernel: uniform, scale: 30, power: 2}\n";
+        let changes = Config::changes(yaml).unwrap();
+        let changes = changes.iter().map(|c| format!("{} {} {}", c.key, c.value, c.default));
+        let expected = ["mesh.kernel \"uniform\" \"inverse_distance\"", "mesh.power 2.0 4.0"];
+        assert_eq!(changes.collect::<Vec<_>>(), expected);
     }
 
     #[test]

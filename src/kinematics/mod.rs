@@ -6,8 +6,29 @@ mod two_bone;
 
 pub use two_bone::{TwoBone, two_bone};
 
-/// The way gone after `part` of the time, both `[-]` in `[0, 1]`: from 0 to 1 with no velocity or
-/// acceleration at either end, `10 s³ − 15 s⁴ + 6 s⁵` (Flash & Hogan 1985, eq. 5).
+/// The way gone after `part` of the time, both `[-]`: 0 up to 0, 1 from 1 on, and between them
+/// `10 s³ − 15 s⁴ + 6 s⁵`, without velocity or acceleration at either end (Flash & Hogan 1985,
+/// eq. 5).
+///
+/// ```
+/// use handover_mesh::kinematics::minimum_jerk;
+/// assert_eq!([-1.0, 0.0, 0.5, 1.0, 2.0].map(minimum_jerk), [0.0, 0.0, 0.5, 1.0, 1.0]);
+/// ```
 pub fn minimum_jerk(part: f64) -> f64 {
-    part.powi(3) * (10.0 - 15.0 * part + 6.0 * part * part)
+    let s = part.clamp(0.0, 1.0);
+    s * s * s * (10.0 + s * (6.0 * s - 15.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::minimum_jerk;
+
+    #[test]
+    fn a_reach_starts_and_ends_at_rest() {
+        let h = 1e-4;
+        let slope = |s: f64| (minimum_jerk(s + h) - minimum_jerk(s - h)) / (2.0 * h);
+        assert!([0.0, 1.0].iter().all(|edge| slope(*edge).abs() < 1e-6));
+        // Peak speed of the profile: 15/8.
+        assert!((slope(0.5) - 1.875).abs() < 1e-6);
+    }
 }

@@ -6,13 +6,14 @@
 use std::f64::consts::{PI, TAU};
 
 use handover_mesh::geometry::{direction_or, yaw_isometry};
+use handover_mesh::kinematics::minimum_jerk;
 use handover_mesh::{Isometry, Point, Role, Side, Vector};
 
 use super::config::PersonConfig;
 use super::people::{Limb, Stance, Trunk, ankle};
 use super::play::{ROLES, Scene};
 use crate::body::sign;
-use crate::profile::{bell, idle_wave, minimum_jerk, step};
+use crate::profile::{bell, idle_wave, step};
 
 /// A hand meets comfortably at this part of the stretched arm, measured along the floor.
 const COMFORTABLE_REACH: f64 = 0.75;

@@ -4,12 +4,12 @@
 //! its own axis; arms and legs follow by two-bone inverse kinematics. Every bone is a rotated
 //! constant, so its length never changes.
 
-use handover_mesh::kinematics::two_bone;
+use handover_mesh::kinematics::{minimum_jerk, two_bone};
 use handover_mesh::{Isometry, Point, Side, Vector};
 use nalgebra::{Translation3, UnitQuaternion};
 
 use crate::body::{Body, sign};
-use crate::profile::{bell, minimum_jerk, step};
+use crate::profile::{bell, step};
 
 /// How a person stands at one instant, apart from hands and feet.
 #[derive(Debug, Clone, Copy)]

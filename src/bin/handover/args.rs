@@ -70,7 +70,8 @@ pub(crate) struct Import {
 /// Retarget a recording's robot role from demonstrations.
 ///
 /// The robot sees the partner's whole motion and where its own base is; what the person in its
-/// role really did is only what the result is measured against.
+/// role really did is only what the result is measured against. A recording that lies among the
+/// demonstrations is left out of them.
 #[derive(Debug, Args)]
 pub(crate) struct Replay {
     /// A demonstration, or a folder searched for demonstrations
@@ -116,6 +117,9 @@ pub(crate) struct Evaluate {
     /// Folds where there are more than twenty clips or groups [default: evaluate.folds]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1000))]
     pub(crate) folds: Option<u32>,
+    /// Write the JSON object to a file too (.json)
+    #[arg(long, short, value_name = "OUT")]
+    pub(crate) out: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) selection: Selection,
 }
@@ -140,9 +144,11 @@ fn setting(text: &str) -> Result<(String, String), String> {
 }
 
 /// Say what files hold and what is wrong with them.
+///
+/// Of a parameter file: what differs from the defaults, or all that is wrong.
 #[derive(Debug, Args)]
 pub(crate) struct Check {
-    /// Recordings, or folders searched for recordings (.csv, .txt)
+    /// Recordings, folders searched for recordings (.csv, .txt), or parameter files (.yaml, .yml)
     #[arg(value_name = "FILE", required = true)]
     pub(crate) files: Vec<PathBuf>,
     #[command(flatten)]
@@ -161,6 +167,9 @@ pub(crate) struct Selection {
     /// Only paths below the folder that match; `*` matches `/` too
     #[arg(long, value_name = "GLOB")]
     pub(crate) filter: Option<glob::Pattern>,
+    /// A file to leave out, whatever the folders hold: chosen by commands, not by users.
+    #[arg(skip)]
+    pub(crate) except: Option<PathBuf>,
 }
 
 /// An axis that can point up.

@@ -1,6 +1,9 @@
 //! `handover check`: what files hold and what is wrong with them.
 
+mod parameters;
+
 use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
 
 use handover_mesh::formats::rate;
 use handover_mesh::{JointId, Part, Recording, Role, Side};
@@ -10,21 +13,34 @@ use crate::Outcome;
 use crate::args::Check;
 use crate::files::{self, Fault, Loaded, ReadFile};
 use crate::output::Output;
+use parameters::ParameterFile;
 
-/// Reads all files and says what is in each.
+/// Reads all files and says what is in each: the recordings, then the parameters.
 pub(crate) fn run(check: &Check, output: &Output) -> anyhow::Result<Outcome> {
-    let files = files::read_all(&check.files, &check.selection, output)?;
+    let (parameters, recordings): (Vec<PathBuf>, Vec<PathBuf>) =
+        check.files.iter().cloned().partition(|path| parameters::is_named_so(path));
+    let files = match recordings.as_slice() {
+        [] => Vec::new(),
+        recordings => files::read_all(recordings, &check.selection, output)?,
+    };
+    let parameters: Vec<ParameterFile> =
+        parameters.into_iter().map(ParameterFile::read).collect::<anyhow::Result<_>>()?;
     output.result(
-        || files.iter().map(text).collect(),
-        || json!({ "files": files.iter().map(value).collect::<Vec<_>>() }),
+        || files.iter().map(text).chain(parameters.iter().map(ParameterFile::text)).collect(),
+        || {
+            let values = files.iter().map(value).chain(parameters.iter().map(ParameterFile::json));
+            json!({ "files": values.collect::<Vec<_>>() })
+        },
     )?;
-    let bad = files.iter().filter(|file| file.outcome.is_err()).count();
+    let all = files.len() + parameters.len();
+    let bad = files.iter().filter(|file| file.outcome.is_err()).count()
+        + parameters.iter().filter(|file| file.outcome.is_err()).count();
     if bad > 0 {
-        output.note(&format!("{bad} of {} files are bad", files.len()));
+        output.note(&format!("{bad} of {all} files are bad"));
     }
     Ok(match bad {
         0 => Outcome::Done,
-        bad if bad == files.len() => Outcome::Failed,
+        bad if bad == all => Outcome::Failed,
         _ => Outcome::Loss,
     })
 }
@@ -69,14 +85,21 @@ fn duration(recording: &Recording) -> f64 {
     first.zip(stamps.last()).map_or(0.0, |(first, last)| (last - first).seconds())
 }
 
+fn bad_text(path: &Path, faults: &[Fault]) -> String {
+    let lines = faults.iter().map(|fault| format!("  {}\n", fault.text()));
+    format!("{}: BAD\n{}", path.display(), lines.collect::<String>())
+}
+
+fn bad_value(path: &Path, faults: &[Fault]) -> Value {
+    let errors: Vec<_> = faults.iter().map(Fault::json).collect();
+    json!({ "file": path.display().to_string(), "good": false, "errors": errors })
+}
+
 fn text(file: &ReadFile) -> String {
     let path = file.path.display();
     let Loaded { recording, format } = match &file.outcome {
         Ok(loaded) => loaded,
-        Err(faults) => {
-            let lines = faults.iter().map(|fault| format!("  {}\n", fault.text()));
-            return format!("{path}: BAD\n{}", lines.collect::<String>());
-        }
+        Err(faults) => return bad_text(&file.path, faults),
     };
     let people = recording
         .people()
@@ -114,10 +137,7 @@ fn value(file: &ReadFile) -> Value {
     let path = file.path.display().to_string();
     let Loaded { recording, format } = match &file.outcome {
         Ok(loaded) => loaded,
-        Err(faults) => {
-            let errors: Vec<_> = faults.iter().map(Fault::json).collect();
-            return json!({ "file": path, "good": false, "errors": errors });
-        }
+        Err(faults) => return bad_value(&file.path, faults),
     };
     let people = recording
         .people()

@@ -11,7 +11,7 @@ use crate::args::{Evaluate, Protocol};
 use crate::demonstrations::{self, Loaded};
 use crate::output::Output;
 use crate::progress::Progress;
-use crate::{Outcome, UsageError};
+use crate::{Outcome, UsageError, files};
 
 /// Loads, evaluates, prints.
 pub(crate) fn run(
@@ -19,7 +19,8 @@ pub(crate) fn run(
     config: &Config,
     output: &Output,
 ) -> anyhow::Result<Outcome> {
-    let Evaluate { demonstrations, selection, .. } = arguments;
+    let Evaluate { demonstrations, selection, out, .. } = arguments;
+    files::check_ending(out.as_deref(), "json")?;
     let role = arguments.role.as_deref();
     let Loaded { demonstrations, role, left_out } =
         demonstrations::load(demonstrations, role, selection, config, output)?;
@@ -46,6 +47,10 @@ pub(crate) fn run(
     };
     drop(progress);
     let evaluation = evaluation.context("cannot evaluate")?;
+    if let Some(out) = out {
+        files::write_text(&format!("{}\n", evaluation.to_json(&role)), out)?;
+        output.note(&format!("wrote {}", out.display()));
+    }
     output.result(|| table(&evaluation, &role), || evaluation.to_json(&role))?;
     Ok(if left_out == 0 { Outcome::Done } else { Outcome::Loss })
 }

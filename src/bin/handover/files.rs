@@ -20,7 +20,7 @@ use crate::progress::Progress;
 use names::{Place, distinct_names};
 use search::Found;
 pub(crate) use search::about;
-pub(crate) use write::write;
+pub(crate) use write::{check_ending, write, write_text};
 
 /// No recording is as large; what claims to be must not fill the memory.
 const LARGEST: u64 = 1 << 29;
@@ -152,6 +152,15 @@ fn parse(bytes: &[u8], place: &Place, selection: &Selection) -> Result<Loaded, R
     Ok(Loaded { recording, format })
 }
 
+/// A file's text.
+///
+/// # Errors
+/// If it cannot be read, is larger than any recording, or is not UTF-8.
+pub(crate) fn text(path: &Path) -> Result<String, Vec<Fault>> {
+    let not_text = |_| vec![Fault::of_file("not UTF-8".to_owned())];
+    String::from_utf8(bytes(path)?).map_err(not_text)
+}
+
 fn bytes(path: &Path) -> Result<Vec<u8>, Vec<Fault>> {
     let mut bytes = Vec::new();
     let read = File::open(path).and_then(|file| file.take(LARGEST + 1).read_to_end(&mut bytes));
@@ -177,7 +186,8 @@ fn faults(error: &ReadError) -> Vec<Fault> {
 }
 
 impl Fault {
-    fn of_file(reason: String) -> Self {
+    /// Of the whole file.
+    pub(crate) fn of_file(reason: String) -> Self {
         Self { line: None, reason }
     }
 

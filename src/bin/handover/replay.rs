@@ -9,23 +9,23 @@ use handover_mesh::predict::{Method, Predictor};
 use handover_mesh::{Config, Frame, Point, Sequence};
 use serde_json::{Value, json};
 
-use crate::args::Replay;
+use crate::args::{Replay, Selection};
 use crate::demonstrations::{self, Loaded};
 use crate::output::Output;
 use crate::{Outcome, UsageError, files};
 
 /// Loads, predicts, writes, prints.
 pub(crate) fn run(replay: &Replay, config: &Config, output: &Output) -> anyhow::Result<Outcome> {
-    if let Some(out) = replay.out.as_ref().filter(|out| out.extension().is_none_or(|e| e != "csv"))
-    {
-        bail!(UsageError(format!("{}: the trace is written as .csv", out.display())));
-    }
+    files::check_ending(replay.out.as_deref(), "csv")?;
     let Replay { demonstrations, recording, selection, .. } = replay;
-    let load = |path, role: Option<&str>| {
+    let load = |path, role: Option<&str>, selection: &Selection| {
         demonstrations::load(std::slice::from_ref(path), role, selection, config, output)
     };
-    let Loaded { demonstrations, role, left_out } = load(demonstrations, replay.role.as_deref())?;
-    let replayed = load(recording, Some(&role))?;
+    // Who learns from the answer need not find it.
+    let others = Selection { except: Some(recording.clone()), ..selection.clone() };
+    let Loaded { demonstrations, role, left_out } =
+        load(demonstrations, replay.role.as_deref(), &others)?;
+    let replayed = load(recording, Some(&role), selection)?;
     let [truth] = replayed.demonstrations.as_slice() else {
         bail!(UsageError(format!("{}: replay takes one recording", recording.display())));
     };

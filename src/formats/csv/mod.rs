@@ -17,7 +17,7 @@ mod write;
 
 pub use metadata::metadata;
 pub use read::read;
-pub use write::{WriteError, write};
+pub use write::{WriteError, write, write_rounded};
 
 /// The header, and the fields of a row.
 pub const HEADER: &str = "frame,time_s,person,joint,x,y,z";

@@ -45,6 +45,24 @@ pub enum WriteError {
 /// # Errors
 /// [`WriteError`] if the recording holds what a CSV cannot.
 pub fn write(recording: &Recording) -> Result<String, WriteError> {
+    // The shortest text of an f64 that reads back as the same bits is what Display gives.
+    write_by(recording, |coordinate| coordinate.to_string())
+}
+
+/// As [`write`], with places rounded to the micrometre: less than half the bytes, and nobody's
+/// joints are known better.
+///
+/// # Errors
+/// [`WriteError`] if the recording holds what a CSV cannot.
+pub fn write_rounded(recording: &Recording) -> Result<String, WriteError> {
+    // Adding zero makes `0` of the `-0` that a small negative is rounded to.
+    write_by(recording, |coordinate| ((coordinate * 1e6).round() / 1e6 + 0.0).to_string())
+}
+
+fn write_by(
+    recording: &Recording,
+    coordinate: impl Fn(f64) -> String,
+) -> Result<String, WriteError> {
     check_names(recording)?;
     let mut rows = ::csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
     let mut places = recording.object().map(|o| o.places.iter().peekable());
@@ -53,7 +71,7 @@ pub fn write(recording: &Recording) -> Result<String, WriteError> {
         for person in recording.people() {
             let positions = &person.motion.frames()[number].positions;
             for (joint, point) in person.motion.skeleton().names().iter().zip(positions) {
-                write_row(&mut rows, &head, &person.name, joint, point);
+                write_row(&mut rows, &head, [&person.name, joint], point, &coordinate);
             }
         }
         let Some((object, places)) = recording.object().zip(places.as_mut()) else { continue };
@@ -61,7 +79,7 @@ pub fn write(recording: &Recording) -> Result<String, WriteError> {
             if *time < stamp {
                 return Err(WriteError::ObjectBetweenFrames { time: *time });
             }
-            write_row(&mut rows, &head, OBJECT, &object.name, point);
+            write_row(&mut rows, &head, [OBJECT, &object.name], point, &coordinate);
         }
     }
     if let Some((time, _)) = places.as_mut().and_then(Iterator::next) {
@@ -74,14 +92,12 @@ pub fn write(recording: &Recording) -> Result<String, WriteError> {
 
 fn write_row(
     rows: &mut ::csv::Writer<Vec<u8>>,
-    head: &[String; 2],
-    person: &str,
-    joint: &str,
+    [number, time]: &[String; 2],
+    [person, joint]: [&str; 2],
     point: &Point,
+    coordinate: impl Fn(f64) -> String,
 ) {
-    let [number, time] = head;
-    // The shortest text of an f64 that reads back as the same bits is what Display gives.
-    let [x, y, z] = [point.x, point.y, point.z].map(|c| c.to_string());
+    let [x, y, z] = [point.x, point.y, point.z].map(coordinate);
     // Cannot fail: the rows go to memory and all have as many fields.
     let _ = rows.write_record([number, time, person, joint, &x, &y, &z]);
 }

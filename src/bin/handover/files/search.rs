@@ -40,11 +40,17 @@ pub(super) fn find(arguments: &[PathBuf], selection: &Selection) -> anyhow::Resu
         }
         found.append(&mut here);
     }
+    let place = |path: &Path| fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let except = selection.except.as_deref().map(place);
     let mut seen = BTreeSet::new();
     // The same demonstration twice would be its own neighbour in a cross-validation.
     found.retain(|file| {
-        seen.insert(fs::canonicalize(&file.path).unwrap_or_else(|_| file.path.clone()))
+        let place = place(&file.path);
+        except.as_ref() != Some(&place) && seen.insert(place)
     });
+    if let Some(except) = selection.except.as_deref().filter(|_| found.is_empty()) {
+        bail!("no recording is left beside {}", except.display());
+    }
     Ok(found)
 }
 
