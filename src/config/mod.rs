@@ -146,6 +146,7 @@ impl Config {
         fields.float("alignment.slack", &mut predict.warp.slack, 0.0, 0.45);
         fields.float("alignment.distance_weight", &mut predict.distance_weight, 0.0, 100.0);
         fields.count("reference.demonstrations", &mut predict.demonstrations, 1, 1000);
+        fields.float("reference.contact_fade", &mut predict.contact_fade, 0.001, 60.0);
         fields.float("mesh.time_weight", &mut predict.time_weight, 0.0, 1000.0);
         predict.kernel = kernel(fields, predict.kernel);
         let retarget = &mut predict.retarget;
@@ -254,7 +255,10 @@ mod tests {
         check_rejected(("retarget.steps", "[1]"), "is [1], must be a whole number");
         check_rejected(("robot.base_joint", "7"), "is 7, must be text");
         check_rejected(("evaluate.ignored_joints", "head"), "must be a list of texts");
-        check_rejected(("mesh.colour", "1"), "mesh.colour is no parameter; 'mesh' has kernel, ");
+        check_rejected(
+            ("mesh.colour", "1"),
+            "mesh.colour is no parameter; 'mesh' has time_weight, kernel",
+        );
         check_rejected(("mesh", "1"), "mesh is no parameter");
     }
 

@@ -156,6 +156,12 @@ impl Observation {
         self.partner.len()
     }
 
+    /// The time `[s]` of a fractional frame, held beyond the last.
+    pub fn seconds(&self, frame: f64) -> f64 {
+        let at = |k: f64| self.partner.frames()[(k as usize).min(self.len() - 1)].stamp.seconds();
+        at(frame.floor()) + (at(frame.ceil()) - at(frame.floor())) * frame.fract()
+    }
+
     /// Where the partner's base is at a frame `[m]`.
     pub fn partner_place(&self, frame: usize) -> Point {
         self.partner.position(frame, self.partner_base)

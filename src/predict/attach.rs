@@ -31,15 +31,9 @@ pub(super) fn predict(
         bones.find(|(bone, _)| bone.child == child).map_or(0.0, |(_, length)| *length)
     };
     let (upper, lower) = (length(elbow), length(hand));
-    let seconds = |frame: f64| {
-        let last = observation.len() - 1;
-        let (low, high) = ((frame.floor() as usize).min(last), (frame.ceil() as usize).min(last));
-        let at = |k: usize| observation.partner.frames()[k].stamp.seconds();
-        at(low) + (at(high) - at(low)) * frame.fract()
-    };
-    let contact = seconds(nearest.contact);
+    let contact = observation.seconds(nearest.contact);
     for (k, pose) in predicted.chunks_exact_mut(skeleton.len()).enumerate() {
-        let near = 1.0 - (seconds(k as f64) - contact).abs() / fade;
+        let near = 1.0 - (observation.seconds(k as f64) - contact).abs() / fade;
         let share = minimum_jerk(near.clamp(0.0, 1.0));
         let goal = observation.partner.position(k, partner_hand) + observation.gap_in_world(k, gap);
         let (root, replayed) = (pose[shoulder.index()], pose[hand.index()]);

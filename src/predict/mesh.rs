@@ -1,4 +1,8 @@
 //! Our own: the reference's interaction mesh, retargeted to the partner and the base as they are.
+//!
+//! Reference (mean of the nearest demonstrations) → mesh (each person's Delaunay edges of the
+//! first frame, the bones, and one distance-weighted edge between the hands that meet) → solve
+//! with the partner's joints and the robot's base known → exact bones.
 
 use std::sync::Arc;
 
@@ -6,66 +10,44 @@ use super::aligned::Alignment;
 use super::{KnownJoints, PredictError, PredictSettings};
 use crate::demonstration::{Hands, Observation};
 use crate::geometry::Point;
+use crate::kinematics::minimum_jerk;
 use crate::mesh::{Edge, EdgeWeights, InitialEdges, InteractionMesh, Pair, Topology};
 use crate::retarget::{Constraint, Retargeter, project_bones};
 use crate::skeleton::{Part, Role};
 
-/// - `hands`: the interperson edges, between hands.
+/// - `hands`: the hands that an edge between the people joins, if any does.
 pub(super) fn predict(
     observation: &Observation,
     alignment: &Alignment,
-    hands: &[Hands],
+    hands: Option<Hands>,
     settings: &PredictSettings,
 ) -> Result<Vec<Point>, PredictError> {
-    let robot_role = observation.robot_role;
-    let partner_role = robot_role.partner();
-    let (robot_skeleton, partner_skeleton) =
-        (&observation.robot_skeleton, observation.partner.skeleton());
-    let pair =
-        Arc::new(Pair::new(in_order(robot_role, robot_skeleton.clone(), partner_skeleton.clone())));
-    let frames = observation.len();
-    // Both people frame by frame, in the pair's order.
-    let interleave = |robot: &[Point], partner: &[Point]| {
-        let robot = robot.chunks_exact(robot_skeleton.len());
-        let partner = partner.chunks_exact(partner_skeleton.len());
-        let both = robot.zip(partner).map(|(robot, partner)| in_order(robot_role, robot, partner));
-        both.flat_map(|[first, second]| first.iter().chain(second).copied()).collect::<Vec<_>>()
-    };
-    let (robot, partner) = (alignment.mean_robot(), alignment.mean_partner());
-    let reference = interleave(&robot, &partner);
-    let topology =
-        Topology::initial(pair.clone(), &reference[..pair.len()], InitialEdges::EachPerson)?;
-    let edges = hands.iter().filter_map(|hands| {
-        let robot = pair.vertex(robot_role, robot_skeleton.part(Part::Hand(hands.robot))?);
-        let partner = pair.vertex(partner_role, partner_skeleton.part(Part::Hand(hands.partner))?);
-        Some(Edge::new(robot, partner))
-    });
-    let topology = Arc::new(topology.with(edges)?);
+    let people = People::of(observation);
+    let pair = &people.pair;
+    let (mut robot, partner) = (alignment.mean_robot(), alignment.mean_partner());
+    if let Some(hands) = hands {
+        hold_contact_gap(
+            observation,
+            alignment,
+            hands,
+            settings.contact_fade,
+            &mut robot,
+            &partner,
+        );
+    }
+    let reference = people.interleave(&robot, &partner);
+    let first_frame = &reference[..pair.len()];
+    let topology = Topology::initial(pair.clone(), first_frame, InitialEdges::EachPerson)?;
+    let topology = Arc::new(topology.with(hands.and_then(|hands| people.edge(hands)))?);
     let weights =
         EdgeWeights::by_kernel(&topology, &reference, settings.kernel, settings.time_weight);
     let mesh = InteractionMesh::new(topology.clone(), reference, weights)?;
 
-    let base = pair.vertex(robot_role, observation.robot_base);
-    let known = |vertex| pair.role(vertex) == partner_role || vertex == base;
-    let frame: Vec<Constraint> = pair
-        .vertices(Role::First)
-        .chain(pair.vertices(Role::Second))
-        .map(|vertex| match settings.known {
-            _ if !known(vertex) => Constraint::Free,
-            KnownJoints::Eliminated => Constraint::Fixed,
-            KnownJoints::Soft => Constraint::Soft(1.0),
-        })
-        .collect();
-    let constraints = frame.repeat(frames);
-    let observed: Vec<Point> =
-        observation.partner.frames().iter().flat_map(|f| f.positions.iter().copied()).collect();
+    let constraints = people.constraints(observation, settings.known).repeat(observation.len());
+    let observed = observation.partner.frames().iter().flat_map(|f| f.positions.iter().copied());
     // The robot's targets count at its base only, where the reference already stands.
-    let targets = interleave(&robot, &observed);
-    let partner_lengths = observation.partner.bone_lengths();
-    let lengths = in_order(robot_role, &observation.bone_lengths, &partner_lengths);
-    let lengths = lengths.map(|lengths| lengths.as_slice()).concat();
-    // A bone that has no length in the data still has two ends.
-    let lengths: Vec<f64> = lengths.into_iter().map(|length| length.max(1e-6)).collect();
+    let targets = people.interleave(&robot, &observed.collect::<Vec<_>>());
+    let lengths = people.bone_lengths(observation);
 
     let retargeter = Retargeter::new(topology, &constraints, settings.retarget)?;
     let mut workspace = retargeter.workspace();
@@ -74,19 +56,104 @@ pub(super) fn predict(
     let mut solved = targets.clone();
     retargeter.solve(&mesh, &targets, &lengths, &mut workspace, &mut solved)?;
 
-    let mut predicted = Vec::with_capacity(frames * robot_skeleton.len());
+    let mut predicted = Vec::with_capacity(robot.len());
     for frame in solved.chunks_exact(pair.len()) {
         let first = predicted.len();
-        predicted.extend(pair.vertices(robot_role).map(|vertex| frame[vertex.index()]));
-        project_bones(robot_skeleton, &observation.bone_lengths, &mut predicted[first..]);
+        predicted.extend(pair.vertices(people.robot).map(|vertex| frame[vertex.index()]));
+        let (skeleton, lengths) = (&observation.robot_skeleton, &observation.bone_lengths);
+        project_bones(skeleton, lengths, &mut predicted[first..]);
     }
     Ok(predicted)
 }
 
-/// The robot's and the partner's share in the order of the recording's people.
-fn in_order<T>(robot_role: Role, robot: T, partner: T) -> [T; 2] {
-    match robot_role {
-        Role::First => [robot, partner],
-        Role::Second => [partner, robot],
+/// Near the reference's contact, brings its hands to the gap that the demonstrations had at theirs.
+///
+/// Time alignment misses the moment by a tenth of a second or two, and the mean of hands that meet
+/// a little earlier and a little later is hands that do not meet.
+fn hold_contact_gap(
+    observation: &Observation,
+    alignment: &Alignment,
+    hands: Hands,
+    fade: f64,
+    robot: &mut [Point],
+    partner: &[Point],
+) {
+    let (robot_skeleton, partner_skeleton) =
+        (&observation.robot_skeleton, observation.partner.skeleton());
+    let (Some(robot_hand), Some(partner_hand)) = (
+        robot_skeleton.part(Part::Hand(hands.robot)),
+        partner_skeleton.part(Part::Hand(hands.partner)),
+    ) else {
+        return;
+    };
+    let (gap, contact) = (alignment.contact_gap(), observation.seconds(alignment.contact()));
+    let robot = robot.chunks_exact_mut(robot_skeleton.len());
+    let partner = partner.chunks_exact(partner_skeleton.len());
+    for (frame, (robot, partner)) in robot.zip(partner).enumerate() {
+        let off = (observation.seconds(frame as f64) - contact).abs();
+        let share = minimum_jerk((1.0 - off / fade).clamp(0.0, 1.0));
+        let goal = partner[partner_hand.index()] + observation.gap_in_world(frame, gap);
+        let hand = &mut robot[robot_hand.index()];
+        *hand += (goal - *hand) * share;
+    }
+}
+
+/// The robot and its partner in the order of the recording's people.
+struct People {
+    pair: Arc<Pair>,
+    robot: Role,
+}
+
+impl People {
+    fn of(observation: &Observation) -> Self {
+        let robot = observation.robot_role;
+        let skeletons =
+            [observation.robot_skeleton.clone(), observation.partner.skeleton().clone()];
+        Self { pair: Arc::new(Pair::new(in_order(robot, skeletons))), robot }
+    }
+
+    /// Both people's joints frame by frame, of `frames × joints` each.
+    fn interleave(&self, robot: &[Point], partner: &[Point]) -> Vec<Point> {
+        let frames = |role: Role| self.pair.skeleton(role).len();
+        let robot = robot.chunks_exact(frames(self.robot));
+        let partner = partner.chunks_exact(frames(self.robot.partner()));
+        let both = robot.zip(partner).map(|(r, p)| in_order(self.robot, [r, p]));
+        both.flat_map(|[first, second]| first.iter().chain(second).copied()).collect()
+    }
+
+    fn edge(&self, hands: Hands) -> Option<Edge> {
+        let hand = |role: Role, side| {
+            let joint = self.pair.skeleton(role).part(Part::Hand(side))?;
+            Some(self.pair.vertex(role, joint))
+        };
+        Some(Edge::new(hand(self.robot, hands.robot)?, hand(self.robot.partner(), hands.partner)?))
+    }
+
+    /// One frame's constraints: the partner and the robot's base are known.
+    fn constraints(&self, observation: &Observation, known: KnownJoints) -> Vec<Constraint> {
+        let known = match known {
+            KnownJoints::Eliminated => Constraint::Fixed,
+            KnownJoints::Soft => Constraint::Soft(1.0),
+        };
+        let base = self.pair.vertex(self.robot, observation.robot_base);
+        let vertices =
+            [Role::First, Role::Second].into_iter().flat_map(|role| self.pair.vertices(role));
+        let is_known = |vertex| self.pair.role(vertex) != self.robot || vertex == base;
+        vertices.map(|v| if is_known(v) { known } else { Constraint::Free }).collect()
+    }
+
+    /// Both people's bone lengths `[m]`, in the pair's order.
+    fn bone_lengths(&self, observation: &Observation) -> Vec<f64> {
+        let lengths = [observation.bone_lengths.clone(), observation.partner.bone_lengths()];
+        // A bone that has no length in the data still has two ends.
+        in_order(self.robot, lengths).concat().into_iter().map(|l| l.max(1e-6)).collect()
+    }
+}
+
+/// `[robot's, partner's]` → `[first person's, second person's]`.
+fn in_order<T>(robot: Role, [of_robot, of_partner]: [T; 2]) -> [T; 2] {
+    match robot {
+        Role::First => [of_robot, of_partner],
+        Role::Second => [of_partner, of_robot],
     }
 }

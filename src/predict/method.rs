@@ -181,9 +181,9 @@ impl Predictor {
                 let gap = self.mean_gap(alignment.hands);
                 attach::predict(observation, alignment, gap, self.settings.attach_fade)
             }
-            Method::None => mesh::predict(observation, alignment, &[], &self.settings)?,
+            Method::None => mesh::predict(observation, alignment, None, &self.settings)?,
             Method::Mesh => {
-                mesh::predict(observation, alignment, &[alignment.hands], &self.settings)?
+                mesh::predict(observation, alignment, Some(alignment.hands), &self.settings)?
             }
         })
     }

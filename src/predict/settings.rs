@@ -24,6 +24,9 @@ pub struct PredictSettings {
     pub warp: WarpSettings,
     /// Weight `[-]` of the two people's distance beside the partner's pose in the alignment, ≥ 0.
     pub distance_weight: f64,
+    /// How long before and after contact `mesh` holds the demonstrations' gap at contact in its
+    /// reference, fading `[s]`, > 0.
+    pub contact_fade: f64,
     /// How an interperson edge's weight falls with distance.
     pub kernel: Kernel,
     /// Weight `[-]` of the mesh's temporal edges, ≥ 0.
@@ -48,7 +51,8 @@ impl Default for PredictSettings {
             demonstrations: 5,
             smoothing: 0.05,
             warp: WarpSettings { pause_penalty: 0.02, slack: 0.1 },
-            distance_weight: 0.5,
+            distance_weight: 0.2,
+            contact_fade: 1.0,
             kernel: Kernel::InverseDistance {
                 scale: 30.0,
                 power: 4.0,

@@ -6,6 +6,7 @@ use anyhow::{Context as _, bail};
 use handover_mesh::Config;
 use handover_mesh::evaluate::{EvaluateSettings, Evaluation, Figure, leave_one_out};
 use handover_mesh::predict::Method;
+use handover_mesh::statistics::Summary;
 
 use crate::args::{Evaluate, Protocol};
 use crate::demonstrations::{self, Loaded};
@@ -61,32 +62,49 @@ fn methods(names: &[String]) -> Vec<Method> {
     Method::ALL.into_iter().filter(wanted).collect()
 }
 
+/// What a column is called, its unit below it.
+fn heading(figure: Figure) -> [&'static str; 2] {
+    match figure {
+        Figure::Joint => ["joint", "cm"],
+        Figure::Hand => ["hand", "cm"],
+        Figure::Contact => ["contact", "cm"],
+        Figure::Gap => ["gap", "cm"],
+        Figure::GapAtContact => ["at contact", "cm"],
+        Figure::Timing => ["timing", "ms"],
+        Figure::Bone => ["bone", "mm"],
+        Figure::Jerk => ["jerk", "m/s³"],
+    }
+}
+
 /// Mean and median per method and figure, and the interval of the mean contact error.
 fn table(evaluation: &Evaluation, role: &str) -> String {
-    let mut text = String::new();
     let Evaluation { protocol, clips, .. } = evaluation;
     let frames: usize = clips.iter().map(|clip| clip.frames).sum();
-    let _ = writeln!(
-        text,
-        "{protocol}: {} clips, {frames} frames, the robot is {role}; mean / median over the clips",
+    let mut text = format!(
+        "{protocol}: {} clips, {frames} frames, the robot is {role}\n\
+         mean / median over the clips, and the 95 % interval of the mean contact error\n\n",
         clips.len()
     );
-    let _ = write!(text, "{:8}", "");
-    for figure in Figure::ALL {
-        let _ = write!(text, " {:>17}", figure.name());
+    for line in 0..2 {
+        let _ = write!(text, "{:8}", "");
+        for figure in Figure::ALL {
+            let _ = write!(text, "{:>15}", heading(figure)[line]);
+            if figure == Figure::Contact {
+                let _ = write!(text, "{:>14}", ["95 %", "cm"][line]);
+            }
+        }
+        text.push('\n');
     }
-    let _ = writeln!(text, "  contact 95 %");
     for (method, figures) in &evaluation.summary {
         let _ = write!(text, "{:8}", method.name());
-        for summary in figures {
-            let cell =
-                summary.map_or("-".to_owned(), |s| format!("{:.1} / {:.1}", s.mean, s.median));
-            let _ = write!(text, " {cell:>17}");
+        for (figure, summary) in Figure::ALL.into_iter().zip(figures) {
+            let cell = |text: fn(&Summary) -> String| summary.as_ref().map_or("-".into(), text);
+            let _ = write!(text, "{:>15}", cell(|s| format!("{:.1} / {:.1}", s.mean, s.median)));
+            if figure == Figure::Contact {
+                let _ = write!(text, "{:>14}", cell(|s| format!("{:.1} - {:.1}", s.low, s.high)));
+            }
         }
-        let interval = evaluation
-            .summary_of(*method, Figure::Contact)
-            .map_or(String::new(), |s| format!("{:.1} to {:.1}", s.low, s.high));
-        let _ = writeln!(text, "  {interval}");
+        text.push('\n');
     }
     text
 }

@@ -1,0 +1,41 @@
+//! Once a workspace is made, assembling, factoring and solving allocate nothing.
+
+use std::sync::Arc;
+
+use handover_mesh::mesh::{EdgeWeights, InitialEdges, InteractionMesh, Kernel, Pair, Topology};
+use handover_mesh::retarget::{Constraint, RetargetSettings, Retargeter, Start, Transform};
+use handover_mesh::{Point, Skeleton};
+
+#[test]
+fn solves_allocate_nothing() {
+    let skeleton = Skeleton::nite();
+    let pair = Arc::new(Pair::new([skeleton.clone(), skeleton]));
+    let positions: Vec<Point> = (0..18 * 30)
+        .map(f64::from)
+        .map(|i| Point::new(i.sin(), (1.7 * i).cos(), (0.3 * i).sin()))
+        .collect();
+    let topology = Arc::new(
+        Topology::initial(pair.clone(), &positions[..30], InitialEdges::BothPeople).unwrap(),
+    );
+    let weights = EdgeWeights::by_kernel(&topology, &positions, Kernel::Uniform, 1.0);
+    let mesh = InteractionMesh::new(topology.clone(), positions.clone(), weights).unwrap();
+    let constraints: Vec<Constraint> = (0..positions.len())
+        .map(|v| if v % 30 < 15 || v % 30 == 17 { Constraint::Fixed } else { Constraint::Free })
+        .collect();
+    let lengths = vec![0.3; pair.bones().count()];
+    for transform in [Transform::None, Transform::Implicit, Transform::LocalGlobal] {
+        let settings =
+            RetargetSettings { transform, start: Start::Aligned, ..RetargetSettings::default() };
+        let retargeter = Retargeter::new(topology.clone(), &constraints, settings).unwrap();
+        let mut workspace = retargeter.workspace();
+        let mut solved = positions.clone();
+        let allocations = allocation_counter::measure(|| {
+            retargeter.assemble(&mesh, &mut workspace).unwrap();
+            retargeter.factor(&mut workspace).unwrap();
+            retargeter.solve(&mesh, &positions, &lengths, &mut workspace, &mut solved).unwrap();
+        });
+        assert_eq!(allocations.count_total, 0, "{transform:?}: {allocations:?}");
+    }
+    // The counter does count.
+    assert!(allocation_counter::measure(|| drop(positions.clone())).count_total > 0);
+}
