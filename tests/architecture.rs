@@ -145,6 +145,16 @@ fn first_names(list: &str) -> Vec<&str> {
     names
 }
 
+/// Whether `super::super::…` leads out of the module to the crate's root, and so past the layers.
+fn climbs_out(path: &str, code: &str) -> bool {
+    let below = path.trim_start_matches("src/");
+    let folders = below.matches('/').count();
+    let depth = folders + usize::from(!below.ends_with("/mod.rs"));
+    // Tests inside a file are a module deeper.
+    let (product, tests) = code.split_once("#[cfg(test)]\nmod ").unwrap_or((code, ""));
+    product.contains(&"super::".repeat(depth)) || tests.contains(&"super::".repeat(depth + 1))
+}
+
 /// The crate root's own names, and the module each stands for (`Point` → `geometry`).
 fn reexports(library: &str) -> BTreeMap<String, String> {
     let code = code(library);
@@ -186,6 +196,9 @@ fn faults(path: &str, text: &str, reexports: &BTreeMap<String, String>) -> Vec<S
         faults.push(format!("{path}: '{module}' is in no layer"));
         return faults;
     };
+    if climbs_out(path, &code) {
+        faults.push(format!("{path}: reaches the crate's root by super::"));
+    }
     for import in imports(&code) {
         let import = reexports.get(&import).unwrap_or(&import);
         let allowed = import == module
@@ -237,6 +250,8 @@ fn a_bad_snippet_is_found() {
         "use crate::{geometry::{Point, Vector}, skeleton, retarget::A};",
         &["src/mesh/x.rs: mesh may not import retarget"],
     );
+    let climbs = "src/mesh/x.rs: reaches the crate's root by super::";
+    check_faults("src/mesh/x.rs", "use super::super::predict::Method;", &[climbs]);
     let by_root = "src/predict/x.rs: predict may not import config";
     check_faults("src/predict/x.rs", "use crate::Config;", &[by_root]);
     check_faults("src/secret.rs", "", &["src/secret.rs: 'secret' is in no layer"]);
@@ -255,6 +270,8 @@ fn a_good_snippet_is_let_pass() {
     check_faults("src/mesh/x.rs", "use crate::skeleton::Role;\nuse crate::mesh::Edge;", &[]);
     check_faults("src/mesh/x.rs", "use crate::Point;\n/// Not [`crate::predict::Method`].", &[]);
     check_faults("src/retarget/x.rs", "use crate::mesh::Topology;", &[]);
+    let tests = "use super::Edge;\n#[cfg(test)]\nmod tests {\n    use super::super::Edge;\n}";
+    check_faults("src/mesh/x.rs", tests, &[]);
     check_faults("src/bin/x/main.rs", "use std::fs;\nuse crate::args;", &[]);
     check_faults("src/ros/node.rs", "use r2r::Node;", &[]);
     let words = "// println! of anyhow\nlet s = \"std::fs \\\" unsafe\"; let c = '\"'; f();";

@@ -3,44 +3,15 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
-use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
+mod common;
 
+use std::fs;
+
+use common::{check, check_json, folder};
 use serde_json::Value;
 use tempfile::TempDir;
 
 const HEADER: &str = "frame,time_s,person,joint,x,y,z";
-
-fn handover(arguments: &[&str], folder: &Path) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_handover"))
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .unwrap()
-}
-
-/// Runs, and checks the exit code and that stdout and stderr hold these words.
-#[track_caller]
-fn check(folder: &TempDir, arguments: &[&str], code: i32, words: &[&str]) -> Output {
-    let output = handover(arguments, folder.path());
-    let said = format!(
-        "{}{}",
-        String::from_utf8_lossy(&output.stdout),
-        String::from_utf8_lossy(&output.stderr)
-    );
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {said}");
-    for word in words {
-        assert!(said.contains(word), "no '{word}' in: {said}");
-    }
-    output
-}
-
-#[track_caller]
-fn check_json(folder: &TempDir, arguments: &[&str], code: i32) -> Value {
-    let output = check(folder, arguments, code, &[]);
-    serde_json::from_slice(&output.stdout).unwrap()
-}
 
 fn good_csv() -> String {
     let mut text = format!("{HEADER}\n");
@@ -57,17 +28,6 @@ fn good_csv() -> String {
 fn sbu_text() -> String {
     let line = |frame: u32| format!("{frame}{}\r\n", ",0.5".repeat(90));
     (1..4).map(line).collect()
-}
-
-/// A folder of files, each `path` with `text`.
-fn folder(files: &[(&str, &str)]) -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    for (path, text) in files {
-        let path = folder.path().join(path);
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(path, text).unwrap();
-    }
-    folder
 }
 
 fn names(folder: &TempDir, below: &str) -> Vec<String> {

@@ -102,7 +102,7 @@ mod tests {
         );
         let topology = Arc::new(Topology::new(pair, [hands]).unwrap());
         let positions: Vec<Point> = (0..90)
-            .map(|i| f64::from(i))
+            .map(f64::from)
             .map(|i| Point::new(i.sin(), (1.7 * i).cos(), (0.3 * i).sin()) + shift)
             .collect();
         let kernel =

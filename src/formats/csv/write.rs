@@ -49,7 +49,7 @@ pub fn write(recording: &Recording) -> Result<String, WriteError> {
     write_by(recording, |coordinate| coordinate.to_string())
 }
 
-/// As [`write`], with places rounded to the micrometre: less than half the bytes, and nobody's
+/// As [`write()`], with places rounded to the micrometre: less than half the bytes, and nobody's
 /// joints are known better.
 ///
 /// # Errors

@@ -1,0 +1,308 @@
+//! `handover evaluate`, `handover replay` and parameters as a user meets them: the real process,
+//! its exit code, its words and its JSON.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+
+mod common;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+use common::{check, check_json, folder};
+use handover_mesh::formats::{UpAxis, csv};
+use handover_mesh::geometry::yaw_isometry;
+use handover_mesh::kinematics::{minimum_jerk, two_bone};
+use handover_mesh::{Frame, Person, Point, Recording, Role, Sequence, Skeleton, Stamp, Vector};
+use serde_json::{Map, Value};
+use tempfile::TempDir;
+
+const FRAMES: i64 = 24;
+const METHODS: [&str; 8] = ["hold", "replay", "knn", "ridge", "promp", "attach", "none", "mesh"];
+const FIGURES: [&str; 8] = [
+    "joint_cm",
+    "hand_cm",
+    "contact_cm",
+    "gap_cm",
+    "gap_at_contact_cm",
+    "timing_ms",
+    "bone_mm",
+    "jerk_m_s3",
+];
+const EVALUATE: [&str; 4] = ["evaluate", "clips", "--protocol", "leave_one_out"];
+
+/// Nine joints of somebody who faces x and reaches for a point `[m]`, seen from their own feet.
+fn pose(reach: Point) -> Vec<Point> {
+    let spine = [1.7, 1.5, 1.2].map(|z| Point::new(0.0, 0.0, z));
+    let arm = |side: f64, target: Point| {
+        let shoulder = Point::new(0.0, 0.2 * side, 1.45);
+        let arm = two_bone(shoulder, target, 0.3, 0.35, Vector::new(0.0, side, -1.0));
+        [shoulder, arm.middle, arm.end]
+    };
+    let left = arm(1.0, Point::new(0.1, 0.25, 0.9));
+    spine.into_iter().chain(left).chain(arm(-1.0, reach)).collect()
+}
+
+/// A short handover; every `number` has its own place, reach and height.
+fn clip(number: u32) -> Recording {
+    let number = f64::from(number);
+    let names = ["head", "neck", "torso", "left_shoulder", "left_elbow", "left_hand"];
+    let names = names.into_iter().chain(["right_shoulder", "right_elbow", "right_hand"]);
+    let skeleton =
+        Arc::new(Skeleton::from_names(names.map(str::to_owned).collect::<Vec<_>>()).unwrap());
+    let rest = Point::new(0.15, -0.25, 0.95);
+    let reach = Point::new(0.42 + 0.02 * number, -0.05, 1.1 + 0.03 * number);
+    let person = |name: &str, turn: f64, place: f64| {
+        let world_from_person = yaw_isometry(turn, Vector::new(place, 0.05 * number, 0.0));
+        let frames = (0..FRAMES).map(|k| {
+            // Out in the first half, back in the second.
+            let part = 1.0 - (2.0 * k as f64 / (FRAMES - 1) as f64 - 1.0).abs();
+            let pose = pose(rest + (reach - rest) * minimum_jerk(1.2 * part));
+            let positions = pose.into_iter().map(|p| world_from_person * p).collect();
+            Frame { stamp: Stamp(k * 33_333_333), positions }
+        });
+        let motion = Sequence::new(skeleton.clone(), frames.collect()).unwrap();
+        Person { name: name.to_owned(), motion }
+    };
+    let people = [
+        person("giver", 0.0, -0.5 - 0.01 * number),
+        person("receiver", std::f64::consts::PI, 0.5 + 0.01 * number),
+    ];
+    let pair = if number < 2.0 { "first" } else { "second" };
+    let metadata = BTreeMap::from([("pair".to_owned(), pair.to_owned())]);
+    Recording::new(format!("clip_{number}"), people, None, metadata).unwrap()
+}
+
+/// `clips/0.csv` and so on.
+fn clips(count: u32) -> TempDir {
+    let folder = folder(&[("clips/.keep", "")]);
+    for number in 0..count {
+        let path = folder.path().join(format!("clips/{number}.csv"));
+        fs::write(path, csv::write(&clip(number)).unwrap()).unwrap();
+    }
+    folder
+}
+
+fn evaluate<'a>(more: &[&'a str]) -> Vec<&'a str> {
+    EVALUATE.into_iter().chain(more.iter().copied()).collect()
+}
+
+fn keys(value: &Value) -> Vec<&str> {
+    value.as_object().unwrap().keys().map(String::as_str).collect()
+}
+
+#[test]
+fn the_json_has_the_promised_shape() {
+    let folder = clips(4);
+    let found = check_json(&folder, &evaluate(&["--json"]), 0);
+    assert_eq!(keys(&found), ["protocol", "role", "clips", "summary"]);
+    assert_eq!((&found["protocol"], &found["role"]), (&"leave_one_out".into(), &"giver".into()));
+    let clips = found["clips"].as_array().unwrap();
+    let names: Vec<&Value> = clips.iter().map(|clip| &clip["name"]).collect();
+    assert_eq!(names, ["0", "1", "2", "3"]);
+    for clip in clips {
+        assert_eq!(keys(clip), ["name", "frames", "methods"]);
+        assert_eq!(clip["frames"], FRAMES);
+        assert_eq!(keys(&clip["methods"]), METHODS);
+        for figures in clip["methods"].as_object().unwrap().values() {
+            assert_eq!(keys(figures), FIGURES);
+            assert!(figures.as_object().unwrap().values().all(Value::is_number), "{figures}");
+        }
+    }
+    assert_eq!(keys(&found["summary"]), METHODS);
+    for figures in found["summary"].as_object().unwrap().values() {
+        assert_eq!(keys(figures), FIGURES);
+        for summary in figures.as_object().unwrap().values() {
+            assert_eq!(keys(summary), ["mean", "median", "low", "high", "n"]);
+            assert_eq!(summary["n"], 4);
+        }
+    }
+    let contact = |method: &str| found["summary"][method]["contact_cm"]["mean"].as_f64().unwrap();
+    assert!(contact("mesh") < 0.5 * contact("hold"), "{} {}", contact("mesh"), contact("hold"));
+}
+
+#[test]
+fn threads_and_runs_change_no_byte() {
+    let folder = clips(5);
+    let run = |jobs: &str| {
+        check(&folder, &evaluate(&["--json", "--jobs", jobs, "-o", "e.json"]), 0, &["e.json"])
+    };
+    let (one, two, again) = (run("1"), run("2"), run("2"));
+    assert!(one.stdout == two.stdout && two.stdout == again.stdout);
+    assert_eq!(fs::read(folder.path().join("e.json")).unwrap(), one.stdout, "the same in the file");
+}
+
+#[test]
+fn methods_pick_columns_and_the_role_may_be_chosen() {
+    let folder = clips(3);
+    let found = check_json(&folder, &evaluate(&["--methods", "mesh,hold", "--json"]), 0);
+    assert_eq!(keys(&found["summary"]), ["hold", "mesh"]);
+    assert_eq!(keys(&found["clips"][0]["methods"]), ["hold", "mesh"]);
+    let other = ["--methods", "hold", "--role", "receiver"];
+    check(&folder, &evaluate(&other), 0, &["the robot is receiver", "hold"]);
+    let nobody = ["--role", "waiter"];
+    check(&folder, &evaluate(&nobody), 1, &["no person 'waiter', only 'giver' and 'receiver'"]);
+}
+
+#[test]
+fn usage_errors_say_what_there_is() {
+    let folder = clips(2);
+    check(&folder, &evaluate(&["--methods", "magic"]), 2, &["magic", "hold, replay, knn"]);
+    check(&folder, &["evaluate", "clips", "--protocol", "guess"], 2, &["guess", "leave_one_out"]);
+    check(&folder, &["evaluate", "clips"], 2, &["--protocol"]);
+    check(&folder, &evaluate(&["--folds", "1"]), 2, &["--folds", "2..=1000"]);
+    check(&folder, &evaluate(&["--group", "mood"]), 2, &["no metadata 'mood' to group by"]);
+    check(&folder, &evaluate(&["-o", "e.txt"]), 2, &["e.txt", ".json"]);
+    check(&folder, &["replay", "clips", "clips/0.csv", "-o", "r.txt"], 2, &["r.txt", ".csv"]);
+    check(&folder, &["replay", "clips", "clips/0.csv", "--method", "magic"], 2, &["magic"]);
+}
+
+#[test]
+fn groups_never_learn_from_each_other() {
+    let folder = clips(4);
+    let figures = |more: &[&str]| {
+        let arguments = [&["--json", "--methods", "replay"], more].concat();
+        check_json(&folder, &evaluate(&arguments), 0)["clips"][0]["methods"]["replay"].clone()
+    };
+    // Alone, clip 0 is replayed from its neighbour 1, which is of its group.
+    assert_ne!(figures(&[]), figures(&["--group", "pair"]));
+    let only = ["--group", "pair", "--filter", "[01].csv"];
+    check(&folder, &evaluate(&only), 1, &["needs two"]);
+}
+
+#[test]
+fn a_broken_file_is_named_and_the_rest_goes_on() {
+    let folder = clips(3);
+    fs::write(folder.path().join("clips/2.csv"), "frame,time_s,person,joint,x,y,z\n0,0\n").unwrap();
+    let found = check_json(&folder, &evaluate(&["--methods", "hold", "--json"]), 3);
+    assert_eq!(found["clips"].as_array().unwrap().len(), 2);
+    check(&folder, &evaluate(&["--methods", "hold"]), 3, &["2.csv: line 2"]);
+    for name in ["0", "1"] {
+        fs::write(folder.path().join(format!("clips/{name}.csv")), "nothing\n").unwrap();
+    }
+    check(&folder, &evaluate(&[]), 1, &["0.csv: line 1", "1.csv: line 1", "2.csv: line 2"]);
+}
+
+#[test]
+fn one_clip_has_nobody_to_learn_from() {
+    let folder = clips(1);
+    check(&folder, &evaluate(&[]), 1, &["learns from the others and needs two"]);
+    check(&folder, &["replay", "clips", "clips/0.csv"], 1, &["no recording", "beside clips/0.csv"]);
+}
+
+#[test]
+fn wrong_parameters_are_reported_together() {
+    let folder = clips(2);
+    let write = |text: &str| fs::write(folder.path().join("p.yaml"), text).unwrap();
+    write(
+        "/**:\n  ros__parameters:\n    mesh: {scale: -1, colour: red}\n    retarget: {steps: x}\n",
+    );
+    let all = ["mesh.scale is -1", "mesh.colour is no parameter", "retarget.steps is \"x\""];
+    check(&folder, &evaluate(&["--config", "p.yaml"]), 2, &all);
+    let three = &check_json(&folder, &["check", "p.yaml", "--json"], 1)["files"][0]["errors"];
+    assert_eq!(three.as_array().unwrap().len(), 3);
+    check(&folder, &["check", "p.yaml", "clips"], 3, &all);
+    check(&folder, &evaluate(&["--config", "none.yaml"]), 1, &["cannot read none.yaml"]);
+    check(&folder, &evaluate(&["--set", "mesh.scale"]), 2, &["KEY=VALUE"]);
+}
+
+#[test]
+fn check_says_what_parameters_change() {
+    let folder = clips(1);
+    let write = |text: &str| fs::write(folder.path().join("p.yml"), text).unwrap();
+    write("/**:\n  ros__parameters:\n    mesh: {scale: 12, power: 4}\n");
+    let words = ["p.yml: parameters, 1 not as by default", "mesh.scale is 12.0, by default 30.0"];
+    check(&folder, &["check", "p.yml"], 0, &words);
+    let found = check_json(&folder, &["check", "clips/0.csv", "p.yml", "--json"], 0);
+    assert_eq!(found["files"][1]["changes"][0]["key"], "mesh.scale");
+    let shipped = concat!(env!("CARGO_MANIFEST_DIR"), "/config/handover.yaml");
+    check(&folder, &["check", shipped], 0, &["all as by default"]);
+    write("mesh: {scale: 12}\n");
+    check(&folder, &["check", "p.yml"], 1, &["p.yml: BAD", "ros__parameters"]);
+    check(&folder, &["check", "none.yaml"], 1, &["none.yaml: no such file"]);
+}
+
+#[test]
+fn settings_win_over_the_file() {
+    let folder = clips(2);
+    let yaml = "/**:\n  ros__parameters:\n    evaluate: {ignored_joints: [head]}\n";
+    fs::write(folder.path().join("p.yaml"), yaml).unwrap();
+    let joint = |more: &[&str]| {
+        let arguments = [&["--json", "--methods", "hold"], more].concat();
+        check_json(&folder, &evaluate(&arguments), 0)["summary"]["hold"]["joint_cm"].clone()
+    };
+    let (plain, ignoring) = (joint(&[]), joint(&["--config", "p.yaml"]));
+    assert_ne!(plain, ignoring);
+    assert_eq!(plain, joint(&["--config", "p.yaml", "--set", "evaluate.ignored_joints=[]"]));
+}
+
+#[test]
+fn a_replayed_robot_keeps_its_bones() {
+    let folder = clips(4);
+    let arguments = ["replay", "clips", "clips/2.csv", "-o", "out.csv"];
+    check(&folder, &arguments, 0, &["2: 24 frames, the robot is giver, method mesh", "out.csv"]);
+    check(&folder, &["check", "out.csv"], 0, &["24 frames", "pair=second"]);
+    let read = |path: &str| {
+        let bytes = fs::read(folder.path().join(path)).unwrap();
+        csv::read(&bytes, "clip", UpAxis::Z).unwrap()
+    };
+    let (truth, replayed) = (read("clips/2.csv"), read("out.csv"));
+    assert_eq!(replayed.person(Role::Second), truth.person(Role::Second), "the partner's own");
+    let (own, motion) = (&truth.person(Role::First).motion, &replayed.person(Role::First).motion);
+    for (bone, length) in motion.skeleton().bones().zip(own.bone_lengths()) {
+        for frame in 0..motion.len() {
+            let [a, b] = [bone.parent, bone.child].map(|joint| motion.position(frame, joint));
+            assert!(((a - b).norm() - length).abs() < 1e-9, "frame {frame}");
+        }
+    }
+    assert_ne!(motion, own, "predicted, not copied");
+    let found = check_json(&folder, &["replay", "clips", "clips/2.csv", "--json"], 0);
+    let expected: BTreeSet<&str> = FIGURES
+        .into_iter()
+        .chain(["recording", "role", "method", "demonstrations", "frames"])
+        .collect();
+    assert_eq!(keys(&found).into_iter().collect::<BTreeSet<_>>(), expected);
+}
+
+#[test]
+fn a_replay_does_not_learn_from_its_own_recording() {
+    let folder = clips(4);
+    let replay = |demonstrations: &str| -> Map<String, Value> {
+        let found = check_json(&folder, &["replay", demonstrations, "clips/2.csv", "--json"], 0);
+        found.as_object().unwrap().clone()
+    };
+    let among = replay("clips");
+    assert_eq!(among["demonstrations"], 3);
+    fs::create_dir(folder.path().join("others")).unwrap();
+    for name in ["0.csv", "1.csv", "3.csv"] {
+        let at = |part: &str| folder.path().join(part).join(name);
+        fs::copy(at("clips"), at("others")).unwrap();
+    }
+    assert_eq!(among, replay("others"));
+}
+
+#[test]
+fn replay_takes_one_recording() {
+    let folder = clips(3);
+    check(&folder, &["replay", "clips", "clips"], 2, &["replay takes one recording"]);
+    check(&folder, &["replay", "clips", "no.csv"], 1, &["no.csv: no such file or folder"]);
+}
+
+#[test]
+fn scripts_tell_their_usage() {
+    if cfg!(windows) {
+        return;
+    }
+    let folder = folder(&[]);
+    for script in ["run", "test"] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(script);
+        let run = |argument: &str| {
+            let mut command = std::process::Command::new(&path);
+            command.arg(argument).current_dir(folder.path()).output().unwrap()
+        };
+        let help = run("--help");
+        assert!(help.status.success() && help.stdout.starts_with(b"Usage: ./"), "{help:?}");
+        assert_eq!(run("-x").status.code(), Some(2));
+    }
+}
