@@ -2,6 +2,8 @@
 //! factorisation and one step apart, and all of them with three steps; the banded factor beside
 //! `faer`'s sparse one on the same matrices.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+
 use std::hint::black_box;
 use std::sync::Arc;
 

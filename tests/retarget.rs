@@ -1,5 +1,7 @@
 //! What retargeting must keep, whatever the motion: invariances, descent, limits.
 
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+
 use std::sync::Arc;
 
 use handover_mesh::geometry::yaw_isometry;

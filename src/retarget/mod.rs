@@ -12,7 +12,11 @@
 
 mod band;
 mod bones;
+mod energy;
+mod error;
+mod fill;
 mod implicit;
+mod pull;
 mod rotations;
 mod settings;
 mod solve;
@@ -20,5 +24,6 @@ mod system;
 
 pub use band::{BandMatrix, NotPositiveDefinite};
 pub use bones::project_bones;
+pub use error::RetargetError;
 pub use settings::{Constraint, RetargetSettings, SettingsError, Start, Transform};
-pub use solve::{Residual, RetargetError, Retargeter, Workspace};
+pub use solve::{Residual, Retargeter, Workspace};

@@ -5,64 +5,11 @@ use std::sync::Arc;
 use nalgebra::{Matrix3, Vector3};
 
 use super::band::BandMatrix;
-use super::implicit::Similarity;
-use super::rotations::best_rotation;
-use super::settings::{Constraint, RetargetSettings, SettingsError, Start, Transform};
+use super::error::RetargetError;
+use super::settings::{Constraint, RetargetSettings, Start, Transform};
 use super::system::Pattern;
 use crate::geometry::{Point, Vector, is_finite, rigid_alignment};
 use crate::mesh::{InteractionMesh, Topology};
-
-/// Why a retargeting could not be set up or solved. Joints count over both people.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum RetargetError {
-    /// A setting is outside its bounds.
-    #[error(transparent)]
-    Settings(#[from] SettingsError),
-    /// Constraints, targets or lengths do not fit the mesh.
-    #[error("{what}: {got} given, {expected} expected")]
-    Shape {
-        /// What does not fit.
-        what: &'static str,
-        /// How many are expected.
-        expected: usize,
-        /// How many were given.
-        got: usize,
-    },
-    /// A soft constraint's weight is not a positive number.
-    #[error("frame {frame}, joint {joint}: constraint weight {weight} must be finite and > 0")]
-    Weight {
-        /// The frame, counted from 0.
-        frame: usize,
-        /// The joint.
-        joint: usize,
-        /// The weight at fault.
-        weight: f64,
-    },
-    /// A known joint's target, or a bone's length, is NaN or infinite.
-    #[error("frame {frame}, joint {joint}: target is not finite")]
-    NotFinite {
-        /// The frame, counted from 0.
-        frame: usize,
-        /// The joint.
-        joint: usize,
-    },
-    /// A bone's length is not a positive number.
-    #[error("bone {bone}: length {length} must be finite and > 0")]
-    Length {
-        /// The bone, in [`crate::mesh::Pair::bones`] order.
-        bone: usize,
-        /// Its length `[m]`.
-        length: f64,
-    },
-    /// The known joints do not determine where this one is.
-    #[error("frame {frame}, joint {joint}: nothing known holds it in place")]
-    Unanchored {
-        /// The frame, counted from 0.
-        frame: usize,
-        /// The joint.
-        joint: usize,
-    },
-}
 
 /// What a solve left over.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -104,30 +51,30 @@ pub struct Residual {
 /// ```
 #[derive(Debug, Clone)]
 pub struct Retargeter {
-    pattern: Pattern,
-    settings: RetargetSettings,
+    pub(super) pattern: Pattern,
+    pub(super) settings: RetargetSettings,
 }
 
 /// What changes with every solve; may be dropped at any time.
 #[derive(Debug, Clone)]
 pub struct Workspace {
     /// `none`, `local_global`: one number per entry of the rows, `1` or `−w̄`.
-    coefficients: Vec<f64>,
+    pub(super) coefficients: Vec<f64>,
     /// `implicit`: one block per entry.
-    blocks: Vec<Matrix3<f64>>,
-    matrix: BandMatrix,
+    pub(super) blocks: Vec<Matrix3<f64>>,
+    pub(super) matrix: BandMatrix,
     /// The right-hand side's part that stays over the steps, per unknown.
-    constant: Vec<Vector>,
-    rhs: Vec<Vector>,
+    pub(super) constant: Vec<Vector>,
+    pub(super) rhs: Vec<Vector>,
     /// `x y z 0` per unknown: four lanes fill a vector register.
-    columns: Vec<[f64; 4]>,
+    pub(super) columns: Vec<[f64; 4]>,
     /// `implicit`: the unknowns' coordinates one after another.
-    stacked: Vec<[f64; 1]>,
+    pub(super) stacked: Vec<[f64; 1]>,
     /// The demonstration where the first iterate stands.
-    reference: Vec<Point>,
-    rotations: Vec<Matrix3<f64>>,
+    pub(super) reference: Vec<Point>,
+    pub(super) rotations: Vec<Matrix3<f64>>,
     /// `local_global`: `Σⱼ w̄ᵢⱼ‖eᵢⱼ‖²`.
-    sizes: Vec<f64>,
+    pub(super) sizes: Vec<f64>,
 }
 
 impl Workspace {
@@ -357,53 +304,6 @@ impl Retargeter {
         }
     }
 
-    /// `1` for the vertex itself, `−w̄` for its neighbours.
-    fn fill_coefficients(&self, mesh: &InteractionMesh, coefficients: &mut [f64]) {
-        for vertex in 0..self.pattern.constraints.len() {
-            let mut row = self.pattern.row(vertex);
-            mesh.for_each_neighbour(vertex, |neighbour, weight| {
-                for (entry, column) in row.by_ref() {
-                    if column == neighbour {
-                        coefficients[entry] = -weight;
-                        break;
-                    }
-                    coefficients[entry] = 1.0;
-                }
-            });
-            for (entry, _) in row {
-                coefficients[entry] = 1.0;
-            }
-        }
-    }
-
-    /// `I − T` for the vertex itself, `−w̄ I − T` for its neighbours.
-    fn fill_blocks(
-        &self,
-        mesh: &InteractionMesh,
-        coefficients: &[f64],
-        blocks: &mut [Matrix3<f64>],
-    ) {
-        let positions = mesh.positions();
-        for vertex in 0..self.pattern.constraints.len() {
-            let row = || {
-                self.pattern.row(vertex).map(|(entry, column)| {
-                    // |1| for the centre, |−w̄| for the rest: the rows' squared weights.
-                    (entry, positions[column] - positions[vertex], coefficients[entry].abs())
-                })
-            };
-            let (sum, weights) = row().fold((Vector::zeros(), 0.0), |(sum, weights), (_, p, w)| {
-                (sum + w * p, weights + w)
-            });
-            let centroid = sum / weights;
-            // Σ w̄ is 1 over the neighbours, so δ is minus the weighted sum from the centre.
-            let similarity = Similarity::new(row().map(|(_, p, w)| (p - centroid, w)), -sum);
-            for (entry, p, weight) in row() {
-                blocks[entry] = Matrix3::identity() * coefficients[entry]
-                    - similarity.block(p - centroid, weight);
-            }
-        }
-    }
-
     fn place_reference(&self, mesh: &InteractionMesh, targets: &[Point], reference: &mut [Point]) {
         reference.copy_from_slice(mesh.positions());
         if self.settings.start == Start::Aligned {
@@ -412,180 +312,6 @@ impl Retargeter {
             let target_from_mesh = rigid_alignment(known.map(|((_, from), to)| (from, to)));
             reference.iter_mut().for_each(|p| *p = target_from_mesh * *p);
         }
-    }
-
-    fn pull_of_targets(&self, targets: &[Point], pull: &mut [Vector]) {
-        for (vertex, constraint) in self.pattern.constraints.iter().enumerate() {
-            if let (Constraint::Soft(weight), Some(at)) = (constraint, self.pattern.unknown(vertex))
-            {
-                pull[at] += self.settings.known_weight * weight * targets[vertex].coords;
-            }
-        }
-    }
-
-    /// `Lᵀ (δ − L_K v_K)`.
-    fn pull_of_scalar_rows(
-        &self,
-        mesh: &InteractionMesh,
-        targets: &[Point],
-        workspace: &mut Workspace,
-    ) {
-        let Workspace { coefficients, constant, .. } = workspace;
-        for vertex in 0..self.pattern.constraints.len() {
-            let mut open = Vector::zeros();
-            for (entry, column) in self.pattern.row(vertex) {
-                let place = match self.pattern.unknown(column) {
-                    Some(_) => mesh.positions()[column].coords,
-                    None => mesh.positions()[column] - targets[column],
-                };
-                open += coefficients[entry] * place;
-            }
-            for (entry, column) in self.pattern.row(vertex) {
-                if let Some(at) = self.pattern.unknown(column) {
-                    constant[at] += self.settings.laplacian_weight * coefficients[entry] * open;
-                }
-            }
-        }
-    }
-
-    /// `Lᵀ (0 − L_K v_K)` with the blocks of `L − T`.
-    fn pull_of_block_rows(&self, targets: &[Point], workspace: &mut Workspace) {
-        let Workspace { blocks, constant, .. } = workspace;
-        for vertex in 0..self.pattern.constraints.len() {
-            let mut open = Vector::zeros();
-            for (entry, column) in self.pattern.row(vertex) {
-                if self.pattern.unknown(column).is_none() {
-                    open -= blocks[entry] * targets[column].coords;
-                }
-            }
-            for (entry, column) in self.pattern.row(vertex) {
-                if let Some(at) = self.pattern.unknown(column) {
-                    constant[at] += self.settings.laplacian_weight * blocks[entry].tr_mul(&open);
-                }
-            }
-        }
-    }
-
-    fn reset_rotations(&self, workspace: &mut Workspace) {
-        let Workspace { coefficients, rotations, sizes, reference, .. } = workspace;
-        rotations.fill(Matrix3::identity());
-        for (vertex, size) in sizes.iter_mut().enumerate() {
-            let edges = self.pattern.row(vertex).filter(|(_, column)| *column != vertex);
-            *size = edges
-                .map(|(entry, column)| {
-                    -coefficients[entry] * (reference[vertex] - reference[column]).norm_squared()
-                })
-                .sum();
-        }
-    }
-
-    /// The local step: every neighbourhood's rotation, and its pull on the next solve.
-    fn turn(&self, workspace: &mut Workspace, positions: &[Point]) {
-        let Workspace { coefficients, rotations, sizes, reference, rhs, .. } = workspace;
-        let memory = self.settings.rotation_memory;
-        for (vertex, rotation) in rotations.iter_mut().enumerate() {
-            let edges = || {
-                self.pattern.row(vertex).filter(|(_, column)| *column != vertex).map(
-                    |(entry, column)| {
-                        (column, -coefficients[entry], reference[vertex] - reference[column])
-                    },
-                )
-            };
-            let mut covariance = *rotation * (memory * sizes[vertex]);
-            for (column, weight, edge) in edges() {
-                let turned = positions[vertex] - positions[column];
-                covariance += turned * (weight * edge).transpose();
-            }
-            *rotation = best_rotation(&covariance, rotation);
-            let own = self.pattern.unknown(vertex);
-            for (column, weight, edge) in edges() {
-                let (turned, other) = (*rotation * edge, self.pattern.unknown(column));
-                let weight = self.settings.laplacian_weight * weight;
-                if let Some(at) = own {
-                    let known = other.map_or(positions[column].coords, |_| Vector::zeros());
-                    rhs[at] += weight * (turned + known);
-                }
-                if let Some(at) = other {
-                    let known = own.map_or(positions[vertex].coords, |_| Vector::zeros());
-                    rhs[at] += weight * (known - turned);
-                }
-            }
-        }
-    }
-
-    fn bone_error(&self, lengths: &[f64], positions: &[Point]) -> f64 {
-        let bones = self.pattern.bones.iter().map(|[parent, child, bone]| {
-            let along = positions[*child as usize] - positions[*parent as usize];
-            (along.norm() - lengths[*bone as usize]).abs()
-        });
-        bones.fold(0.0, f64::max)
-    }
-
-    /// The energy `[m²]` of `positions` with true bones: what the steps bring down.
-    ///
-    /// Takes the coefficients and, for `local_global`, the rotations of the last
-    /// [`Self::assemble`] and [`Self::solve`] in `workspace`. Soft constraints and open bones
-    /// count, bones between fixed joints do not.
-    ///
-    /// # Panics
-    /// If shapes do not fit: the caller's bug.
-    pub fn energy(
-        &self,
-        mesh: &InteractionMesh,
-        targets: &[Point],
-        lengths: &[f64],
-        workspace: &Workspace,
-        positions: &[Point],
-    ) -> f64 {
-        let mut laplacian = 0.0;
-        for vertex in 0..self.pattern.constraints.len() {
-            let row = self.pattern.row(vertex);
-            laplacian += match self.settings.transform {
-                Transform::None => {
-                    let apply = |v: &[Point]| -> Vector {
-                        self.pattern
-                            .row(vertex)
-                            .map(|(e, c)| workspace.coefficients[e] * v[c].coords)
-                            .sum()
-                    };
-                    (apply(positions) - apply(mesh.positions())).norm_squared()
-                }
-                Transform::Implicit => {
-                    let off: Vector =
-                        row.map(|(e, c)| workspace.blocks[e] * positions[c].coords).sum();
-                    off.norm_squared()
-                }
-                Transform::LocalGlobal => row
-                    .filter(|(_, column)| *column != vertex)
-                    .map(|(entry, column)| {
-                        let edge = workspace.reference[vertex] - workspace.reference[column];
-                        let off = positions[vertex]
-                            - positions[column]
-                            - workspace.rotations[vertex] * edge;
-                        -workspace.coefficients[entry] * off.norm_squared()
-                    })
-                    .sum(),
-            };
-        }
-        let constraints = self.pattern.constraints.iter().zip(targets).zip(positions);
-        let known: f64 = constraints
-            .map(|((constraint, target), position)| match constraint {
-                Constraint::Soft(weight) => weight * (position - target).norm_squared(),
-                Constraint::Free | Constraint::Fixed => 0.0,
-            })
-            .sum();
-        let bones: f64 = self
-            .pattern
-            .bones
-            .iter()
-            .map(|[parent, child, bone]| {
-                let along = positions[*child as usize] - positions[*parent as usize];
-                (along.norm() - lengths[*bone as usize]).powi(2)
-            })
-            .sum();
-        self.settings.laplacian_weight * laplacian
-            + self.settings.known_weight * known
-            + self.settings.bone_weight * bones
     }
 }
 
