@@ -47,12 +47,6 @@ impl Evaluation {
         Self { protocol, clips, summary }
     }
 
-    /// One figure of one method over all clips.
-    pub fn summary_of(&self, method: Method, figure: Figure) -> SummaryOfFigure {
-        let found = self.summary.iter().find(|(known, _)| *known == method)?;
-        found.1[figure as usize]
-    }
-
     /// `{"protocol","role","clips":[{"name","frames","methods":{METHOD:{FIGURE}}}],"summary":
     /// {METHOD:{FIGURE:{"mean","median","low","high","n"}}}}`; undefined figures are null.
     pub fn to_json(&self, role: &str) -> Value {
