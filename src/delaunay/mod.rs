@@ -112,15 +112,6 @@ pub enum Span {
 }
 
 impl Span {
-    /// Its dimension: 0, 1 or 2.
-    pub fn dimension(self) -> usize {
-        match self {
-            Span::Point => 0,
-            Span::Line => 1,
-            Span::Plane => 2,
-        }
-    }
-
     fn describe(self) -> &'static str {
         match self {
             Span::Point => "coincide",

@@ -112,5 +112,12 @@ fn evaluate_clip(
         Ok((*method, figures.unwrap_or_default()))
     });
     let methods = methods.collect::<Result<Vec<(Method, Figures)>, PredictError>>()?;
-    Ok(Clip { name: truth.recording().name().to_owned(), frames: truth.recording().len(), methods })
+    let did = truth.robot().frames().iter().flat_map(|f| f.positions.iter().copied());
+    let human = scene.as_ref().map(|scene| scene.figures(&did.collect::<Vec<_>>()));
+    Ok(Clip {
+        name: truth.recording().name().to_owned(),
+        frames: truth.recording().len(),
+        methods,
+        human: human.unwrap_or_default(),
+    })
 }

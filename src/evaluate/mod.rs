@@ -11,4 +11,4 @@ mod report;
 pub use figures::{Figure, Figures, Scene};
 pub use folds::folds;
 pub use leave_one_out::{EvaluateError, EvaluateSettings, leave_one_out};
-pub use report::{Clip, Evaluation, SummaryOfFigure};
+pub use report::{Clip, Evaluation, Summaries};

@@ -15,10 +15,13 @@ pub struct Clip {
     pub frames: usize,
     /// The methods' figures, in the columns' order.
     pub methods: Vec<(Method, Figures)>,
+    /// The same figures of what the human in the robot's role did: how much people scatter.
+    pub human: Figures,
 }
 
-/// One figure of one method, over the clips where it is defined; `None` where it never is.
-pub type SummaryOfFigure = Option<Summary>;
+/// All figures in [`Figure::ALL`]'s order, each over the clips where it is defined; `None` where
+/// it never is.
+pub type Summaries = [Option<Summary>; Figure::ALL.len()];
 
 /// All clips and their summary.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,58 +30,66 @@ pub struct Evaluation {
     pub protocol: &'static str,
     /// The clips, in their own order.
     pub clips: Vec<Clip>,
-    /// Per method, in the columns' order, all figures in [`Figure::ALL`]'s order.
-    pub summary: Vec<(Method, [SummaryOfFigure; Figure::ALL.len()])>,
+    /// Per method, in the columns' order.
+    pub summary: Vec<(Method, Summaries)>,
+    /// Of the humans in the robot's role.
+    pub human: Summaries,
 }
 
 impl Evaluation {
     /// Sums up the clips.
     pub(super) fn new(protocol: &'static str, methods: &[Method], clips: Vec<Clip>) -> Self {
         let summary = methods.iter().enumerate().map(|(column, method)| {
-            let figures = Figure::ALL.map(|figure| {
-                let values = clips.iter().filter_map(|clip| clip.methods[column].1.get(figure));
-                // A hand that is early and one that is late do not make a punctual one.
-                let size = |value: f64| if figure == Figure::Timing { value.abs() } else { value };
-                Summary::of(&values.map(size).collect::<Vec<_>>())
-            });
-            (*method, figures)
+            (*method, summaries(clips.iter().map(|clip| &clip.methods[column].1)))
         });
         let summary = summary.collect();
-        Self { protocol, clips, summary }
+        let human = summaries(clips.iter().map(|clip| &clip.human));
+        Self { protocol, clips, summary, human }
     }
 
-    /// One figure of one method over all clips.
-    pub fn summary_of(&self, method: Method, figure: Figure) -> SummaryOfFigure {
-        let found = self.summary.iter().find(|(known, _)| *known == method)?;
-        found.1[figure as usize]
-    }
-
-    /// `{"protocol","role","clips":[{"name","frames","methods":{METHOD:{FIGURE}}}],"summary":
-    /// {METHOD:{FIGURE:{"mean","median","low","high","n"}}}}`; undefined figures are null.
+    /// `{"protocol","role","clips":[{"name","frames","methods":{METHOD:{FIGURE}},"human":{FIGURE}}],
+    /// "summary":{METHOD:{FIGURE:{"mean","median","low","high","n"}}},"human":{FIGURE:{…}}}`;
+    /// undefined figures are null.
     pub fn to_json(&self, role: &str) -> Value {
         let clips: Vec<Value> = self.clips.iter().map(clip_json).collect();
-        let summary = self.summary.iter().map(|(method, figures)| {
-            let figures = Figure::ALL.iter().zip(figures);
-            let figures = figures.map(|(figure, summary)| {
-                let value = summary.map_or(Value::Null, |s| {
-                    json!({
-                        "mean": s.mean, "median": s.median, "low": s.low, "high": s.high, "n": s.n
-                    })
-                });
-                (figure.name().to_owned(), value)
-            });
-            (method.name().to_owned(), Value::Object(figures.collect()))
-        });
-        let summary: Map<String, Value> = summary.collect();
-        json!({ "protocol": self.protocol, "role": role, "clips": clips, "summary": summary })
+        let methods = self.summary.iter();
+        let summary: Map<String, Value> = methods
+            .map(|(method, summaries)| (method.name().to_owned(), summaries_json(summaries)))
+            .collect();
+        json!({
+            "protocol": self.protocol,
+            "role": role,
+            "clips": clips,
+            "summary": summary,
+            "human": summaries_json(&self.human),
+        })
     }
+}
+
+fn summaries<'a>(clips: impl Iterator<Item = &'a Figures> + Clone) -> Summaries {
+    Figure::ALL.map(|figure| {
+        // A hand that is early and one that is late do not make a punctual one.
+        let size = |value: f64| if figure == Figure::Timing { value.abs() } else { value };
+        let values = clips.clone().filter_map(|figures| figures.get(figure));
+        Summary::of(&values.map(size).collect::<Vec<_>>())
+    })
+}
+
+fn summaries_json(summaries: &Summaries) -> Value {
+    let figures = Figure::ALL.iter().zip(summaries).map(|(figure, summary)| {
+        let value = summary.map_or(Value::Null, |s| {
+            json!({ "mean": s.mean, "median": s.median, "low": s.low, "high": s.high, "n": s.n })
+        });
+        (figure.name().to_owned(), value)
+    });
+    Value::Object(figures.collect())
 }
 
 fn clip_json(clip: &Clip) -> Value {
     let methods =
         clip.methods.iter().map(|(method, figures)| (method.name().to_owned(), figures.to_json()));
     let methods: Map<String, Value> = methods.collect();
-    json!({ "name": clip.name, "frames": clip.frames, "methods": methods })
+    json!({ "name": clip.name, "frames": clip.frames, "methods": methods, "human": clip.human.to_json() })
 }
 
 impl Figures {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{JointId, Skeleton};
-use crate::geometry::{Isometry, Point, Vector, is_finite};
+use crate::geometry::{Isometry, Point, is_finite};
 use crate::time::Stamp;
 
 /// One person's joints at one instant: positions `[m]` in the world, in skeleton order.
@@ -186,18 +186,5 @@ impl Sequence {
             crate::statistics::median(lengths.collect()).unwrap_or(0.0)
         });
         lengths.collect()
-    }
-
-    /// The velocity of every joint at a frame `[m/s]`, by central differences over the stamps
-    /// (one-sided at the ends, zero where there is one frame only).
-    pub fn velocity(&self, frame: usize, joint: JointId) -> Vector {
-        let before = frame.saturating_sub(1);
-        let after = (frame + 1).min(self.frames.len() - 1);
-        let step = (self.frames[after].stamp - self.frames[before].stamp).seconds();
-        if step > 0.0 {
-            (self.position(after, joint) - self.position(before, joint)) / step
-        } else {
-            Vector::zeros()
-        }
     }
 }

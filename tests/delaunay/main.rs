@@ -163,7 +163,6 @@ fn points_without_volume_are_named() {
     ] {
         assert_eq!(error(&cells), DelaunayError::Flat { points: cells.len(), span });
     }
-    assert_eq!(Span::Line.dimension(), 1);
     assert_eq!(error(&[[1, 1, 1]; 5]).to_string(), "the 5 points span no volume: all coincide");
 }
 

@@ -95,8 +95,10 @@ fn table(evaluation: &Evaluation, role: &str) -> String {
         }
         text.push('\n');
     }
-    for (method, figures) in &evaluation.summary {
-        let _ = write!(text, "{:8}", method.name());
+    let methods = evaluation.summary.iter().map(|(method, figures)| (method.name(), figures));
+    // What people did, by the same figures: how much they scatter themselves.
+    for (name, figures) in methods.chain([("(human)", &evaluation.human)]) {
+        let _ = write!(text, "{name:8}");
         for (figure, summary) in Figure::ALL.into_iter().zip(figures) {
             let cell = |text: fn(&Summary) -> String| summary.as_ref().map_or("-".into(), text);
             let _ = write!(text, "{:>15}", cell(|s| format!("{:.1} / {:.1}", s.mean, s.median)));

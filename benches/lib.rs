@@ -1,1 +1,0 @@
-//! Nothing: the benches are the package's other targets.
