@@ -96,13 +96,15 @@ fn keys(value: &Value) -> Vec<&str> {
 fn the_json_has_the_promised_shape() {
     let folder = clips(4);
     let found = check_json(&folder, &evaluate(&["--json"]), 0);
-    assert_eq!(keys(&found), ["protocol", "role", "clips", "summary"]);
+    assert_eq!(keys(&found), ["protocol", "role", "clips", "summary", "human"]);
     assert_eq!((&found["protocol"], &found["role"]), (&"leave_one_out".into(), &"giver".into()));
     let clips = found["clips"].as_array().unwrap();
     let names: Vec<&Value> = clips.iter().map(|clip| &clip["name"]).collect();
     assert_eq!(names, ["0", "1", "2", "3"]);
     for clip in clips {
-        assert_eq!(keys(clip), ["name", "frames", "methods"]);
+        assert_eq!(keys(clip), ["name", "frames", "methods", "human"]);
+        assert_eq!(keys(&clip["human"]), FIGURES);
+        assert_eq!(clip["human"]["contact_cm"], 0.0, "people are where they are");
         assert_eq!(clip["frames"], FRAMES);
         assert_eq!(keys(&clip["methods"]), METHODS);
         for figures in clip["methods"].as_object().unwrap().values() {

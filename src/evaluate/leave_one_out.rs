@@ -6,8 +6,8 @@ use rayon::prelude::*;
 
 use super::folds::folds;
 use super::report::{Clip, Evaluation};
-use super::{Figures, Scene};
-use crate::demonstration::{Demonstration, Observation};
+use super::{Figures, Trial, TrialError};
+use crate::demonstration::Demonstration;
 use crate::predict::{Method, PredictError, PredictSettings, Predictor};
 
 /// What an evaluation may choose.
@@ -32,13 +32,13 @@ pub enum EvaluateError {
         /// How many groups there are.
         groups: usize,
     },
-    /// A method failed on a clip.
+    /// A clip could not be evaluated.
     #[error("{clip}: {error}")]
-    Predict {
+    Clip {
         /// The clip.
         clip: String,
         /// Why.
-        error: PredictError,
+        error: TrialError,
     },
 }
 
@@ -65,59 +65,43 @@ pub fn leave_one_out(
     if count < 2 {
         return Err(EvaluateError::TooFew { groups: count });
     }
-    let smoothed: Vec<Arc<Demonstration>> =
-        clips.par_iter().map(|clip| Arc::new(clip.smoothed(settings.predict.smoothing))).collect();
     let predictors: Vec<Predictor> = (0..count)
         .into_par_iter()
         .map(|fold| {
-            let others = smoothed.iter().zip(&folds).filter(|(_, f)| **f != fold);
+            let others = clips.iter().zip(&folds).filter(|(_, f)| **f != fold);
             let others = others.map(|(clip, _)| clip.clone()).collect();
-            Predictor::fit(others, settings.predict.clone())
-                .map_err(|error| EvaluateError::Predict { clip: format!("fold {fold}"), error })
+            Predictor::fit(others, settings.predict.clone()).map_err(|error| EvaluateError::Clip {
+                clip: format!("fold {fold}"),
+                error: error.into(),
+            })
         })
         .collect::<Result<_, _>>()?;
-    let clips: Vec<Clip> = (0..clips.len())
-        .into_par_iter()
-        .map(|at| {
-            let clip = evaluate_clip(&clips[at], &smoothed[at], &predictors[folds[at]], settings);
+    let clips: Vec<Clip> = clips
+        .par_iter()
+        .zip(&folds)
+        .map(|(clip, fold)| {
+            let evaluated = evaluate_clip(clip, &predictors[*fold], settings);
             done();
-            clip.map_err(|error| {
-                let clip = clips[at].recording().name().to_owned();
-                EvaluateError::Predict { clip, error }
+            evaluated.map_err(|error| EvaluateError::Clip {
+                clip: clip.recording().name().to_owned(),
+                error,
             })
         })
         .collect::<Result<_, _>>()?;
     Ok(Evaluation::new("leave_one_out", &settings.methods, clips))
 }
 
-/// All methods on one clip: they see its smoothed partner, the figures its raw truth.
+/// All methods on one clip.
 fn evaluate_clip(
     truth: &Demonstration,
-    smoothed: &Demonstration,
     predictor: &Predictor,
     settings: &EvaluateSettings,
-) -> Result<Clip, PredictError> {
-    // Smoothing may shorten a bone; the robot's own do not change.
-    let bone_lengths = truth.robot().bone_lengths();
-    let observation = Observation { bone_lengths, ..smoothed.observation() };
-    let alignment = predictor.align(&observation)?;
-    let skeleton = truth.robot().skeleton();
-    let ignored: Vec<_> =
-        settings.ignored_joints.iter().filter_map(|name| skeleton.joint(name)).collect();
-    let gap = predictor.mean_gap(alignment.hands);
-    let scene = Scene::new(truth, alignment.hands, gap, &ignored);
-    let methods = settings.methods.iter().map(|method| {
-        let predicted = predictor.predict(*method, &observation, &alignment)?;
-        let figures = scene.as_ref().map(|scene| scene.figures(&predicted));
-        Ok((*method, figures.unwrap_or_default()))
-    });
+) -> Result<Clip, TrialError> {
+    let trial = Trial::new(truth, predictor, &settings.ignored_joints)?;
+    let methods = settings.methods.iter().map(|method| Ok((*method, trial.run(*method)?.1)));
     let methods = methods.collect::<Result<Vec<(Method, Figures)>, PredictError>>()?;
     let did = truth.robot().frames().iter().flat_map(|f| f.positions.iter().copied());
-    let human = scene.as_ref().map(|scene| scene.figures(&did.collect::<Vec<_>>()));
-    Ok(Clip {
-        name: truth.recording().name().to_owned(),
-        frames: truth.recording().len(),
-        methods,
-        human: human.unwrap_or_default(),
-    })
+    let human = trial.figures(&did.collect::<Vec<_>>());
+    let recording = truth.recording();
+    Ok(Clip { name: recording.name().to_owned(), frames: recording.len(), methods, human })
 }

@@ -7,8 +7,10 @@ mod figures;
 mod folds;
 mod leave_one_out;
 mod report;
+mod trial;
 
 pub use figures::{Figure, Figures, Scene};
 pub use folds::folds;
 pub use leave_one_out::{EvaluateError, EvaluateSettings, leave_one_out};
 pub use report::{Clip, Evaluation, Summaries};
+pub use trial::{Trial, TrialError, UnknownJoint};

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::aligned::{Alignment, align, choose, features};
 use super::{PredictSettings, attach, mesh, promp, ridge};
-use crate::demonstration::{Demonstration, Observation};
+use crate::demonstration::{Demonstration, Hands, Observation};
 use crate::geometry::{Point, Vector};
 use crate::mesh::MeshError;
 use crate::retarget::RetargetError;
@@ -95,7 +95,7 @@ pub struct Predictor {
 }
 
 impl Predictor {
-    /// Fits everything to a set of demonstrations.
+    /// Smooths a set of demonstrations and fits everything to them.
     ///
     /// # Errors
     /// [`PredictError`] if there are none, or their skeletons or roles differ.
@@ -107,6 +107,8 @@ impl Predictor {
         for demonstration in &demonstrations {
             check_same(demonstration, &first)?;
         }
+        let smooth = |d: Arc<Demonstration>| Arc::new(d.smoothed(settings.smoothing));
+        let demonstrations: Vec<_> = demonstrations.into_iter().map(smooth).collect();
         let features = demonstrations.iter().map(|demonstration| {
             let robot = demonstration.robot();
             features(
@@ -121,14 +123,13 @@ impl Predictor {
         Ok(Self { demonstrations, features, ridge, settings })
     }
 
-    /// What it was fitted to.
-    pub fn demonstrations(&self) -> &[Arc<Demonstration>] {
-        &self.demonstrations
-    }
-
-    /// The settings it was fitted with.
-    pub fn settings(&self) -> &PredictSettings {
-        &self.settings
+    /// What the methods may know of an interaction, smoothed as the demonstrations are.
+    pub fn observe(&self, interaction: &Demonstration) -> Observation {
+        Observation {
+            // Smoothing may shorten a bone; the robot's own do not change.
+            bone_lengths: interaction.robot().bone_lengths(),
+            ..interaction.smoothed(self.settings.smoothing).observation()
+        }
     }
 
     /// Lays all demonstrations on an observation's time and place.
@@ -153,7 +154,7 @@ impl Predictor {
 
     /// The mean gap `[m]` of the demonstrations in which these hands met (in all, where none
     /// agrees), in the partner's heading frame at their contact: the ḡ of the evaluation.
-    pub fn mean_gap(&self, hands: crate::demonstration::Hands) -> Vector {
+    pub fn mean_gap(&self, hands: Hands) -> Vector {
         let contacts = || self.demonstrations.iter().map(|d| d.contact());
         let agreeing: Vec<Vector> =
             contacts().filter(|c| c.hands == hands).map(|c| c.gap).collect();

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use anyhow::{Context as _, bail};
 use handover_mesh::demonstration::Demonstration;
-use handover_mesh::evaluate::{Figure, Figures, Scene};
+use handover_mesh::evaluate::{Figure, Figures, Trial};
 use handover_mesh::predict::{Method, Predictor};
 use handover_mesh::{Config, Frame, Point, Sequence};
 use serde_json::{Value, json};
@@ -29,25 +29,13 @@ pub(crate) fn run(replay: &Replay, config: &Config, output: &Output) -> anyhow::
     let [truth] = replayed.demonstrations.as_slice() else {
         bail!(UsageError(format!("{}: replay takes one recording", recording.display())));
     };
-    let smooth = |demonstration: &Demonstration| demonstration.smoothed(config.predict.smoothing);
-    let smoothed = demonstrations.iter().map(|d| smooth(d).into()).collect();
-    let predictor = Predictor::fit(smoothed, config.predict.clone()).context("cannot learn")?;
-    let mut observation = smooth(truth).observation();
-    observation.bone_lengths = truth.robot().bone_lengths();
-    let predict = || {
-        let alignment = predictor.align(&observation)?;
-        let method = Method::ALL.into_iter().find(|method| method.name() == replay.method);
-        let predicted =
-            predictor.predict(method.unwrap_or(Method::Mesh), &observation, &alignment)?;
-        anyhow::Ok((alignment, predicted))
-    };
-    let (alignment, predicted) =
-        predict().with_context(|| format!("cannot replay {}", recording.display()))?;
-    let gap = predictor.mean_gap(alignment.hands);
-    let ignored = config.ignored_joints.iter();
-    let ignored: Vec<_> = ignored.filter_map(|name| truth.robot().skeleton().joint(name)).collect();
-    let scene = Scene::new(truth, alignment.hands, gap, &ignored);
-    let figures = scene.map(|scene| scene.figures(&predicted)).unwrap_or_default();
+    let learnt_from = demonstrations.len();
+    let predictor =
+        Predictor::fit(demonstrations, config.predict.clone()).context("cannot learn")?;
+    let method = Method::ALL.into_iter().find(|method| method.name() == replay.method);
+    let (predicted, figures) = Trial::new(truth, &predictor, &config.ignored_joints)
+        .and_then(|trial| Ok(trial.run(method.unwrap_or(Method::Mesh))?))
+        .with_context(|| format!("cannot replay {}", recording.display()))?;
     if let Some(out) = &replay.out {
         let motion = motion(truth, &predicted)?;
         files::write(&truth.recording().with_motion(truth.robot_role(), motion)?, out)?;
@@ -60,7 +48,7 @@ pub(crate) fn run(replay: &Replay, config: &Config, output: &Output) -> anyhow::
                 "recording": truth.recording().name(),
                 "role": role,
                 "method": replay.method,
-                "demonstrations": demonstrations.len(),
+                "demonstrations": learnt_from,
                 "frames": truth.recording().len(),
             });
             merge(&mut value, figures.to_json());
