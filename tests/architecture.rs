@@ -350,7 +350,9 @@ fn dependencies(manifest: &str) -> BTreeSet<String> {
 fn every_dependency_has_its_reason() {
     let document = read("ARCHITECTURE.md");
     let mut needed = dependencies(&read("Cargo.toml"));
-    needed.extend(dependencies(&read("sim/Cargo.toml")));
+    for member in ["sim", "benches"] {
+        needed.extend(dependencies(&read(&format!("{member}/Cargo.toml"))));
+    }
     needed.remove("handover_mesh");
     let rows = table(&document, "Dependencies");
     let reasoned: BTreeSet<String> =
