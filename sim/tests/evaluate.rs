@@ -1,0 +1,146 @@
+//! The library's predictions and figures on made-up handovers, where everything is known.
+
+#![expect(clippy::unwrap_used, reason = "helpers of tests may panic as tests do")]
+
+use std::sync::Arc;
+
+use handover_mesh::demonstration::Demonstration;
+use handover_mesh::evaluate::{EvaluateSettings, Figure, Figures, Trial, leave_one_out};
+use handover_mesh::predict::{Method, PredictSettings, Predictor};
+use handover_mesh::{Frame, Part, Point, Recording, Role, Sequence, Side, Vector};
+use handover_sim::generate;
+use handover_sim::sensor::{Sensor, SensorConfig};
+
+fn clips(count: u64) -> Vec<Arc<Demonstration>> {
+    let sensor = Sensor::new(SensorConfig::ideal(30.0)).unwrap();
+    let clip = |index: u64| {
+        let name = format!("clip_{index}");
+        let recording = generate(3, index, &name, &sensor).unwrap().truth;
+        demonstration(recording, "giver")
+    };
+    (0..count).map(clip).collect()
+}
+
+fn demonstration(recording: Recording, role: &str) -> Arc<Demonstration> {
+    Arc::new(Demonstration::new(Arc::new(recording), role, "torso").unwrap())
+}
+
+fn poses(motion: &Sequence) -> Vec<Point> {
+    motion.frames().iter().flat_map(|frame| frame.positions.iter().copied()).collect()
+}
+
+#[test]
+fn figures_measure_what_they_say() {
+    let clips = clips(6);
+    let settings = PredictSettings { smoothing: 0.0, ..PredictSettings::default() };
+    let predictor = Predictor::fit(clips[1..].to_vec(), settings).unwrap();
+    let truth = &clips[0];
+    let trial = Trial::new(truth, &predictor, &[]).unwrap();
+    let did = poses(truth.robot());
+    #[track_caller]
+    fn check(figures: &Figures, figure: Figure, expected: f64) {
+        let found = figures.get(figure).unwrap();
+        assert!((found - expected).abs() < 1e-6, "{figure:?}: {found}, not {expected}");
+    }
+    for figure in [Figure::Joint, Figure::Hand, Figure::Contact, Figure::Bone] {
+        check(&trial.figures(&did), figure, 0.0);
+    }
+    // All joints 3 cm aside, the known base too: it must not count, and no bone changes.
+    let aside: Vec<Point> = did.iter().map(|p| p + Vector::new(0.0, 0.03, 0.0)).collect();
+    let figures = trial.figures(&aside);
+    for figure in [Figure::Joint, Figure::Hand, Figure::Contact] {
+        check(&figures, figure, 3.0);
+    }
+    check(&figures, Figure::Bone, 0.0);
+    // One forearm longer by 2 cm in one frame: the hand is off there, and the bone.
+    let hands = truth.robot().skeleton();
+    let [hand, elbow] =
+        [Part::Hand(Side::Right), Part::Elbow(Side::Right)].map(|part| hands.part(part).unwrap());
+    let mut longer = did.clone();
+    let frame = 7 * hands.len();
+    let along = (did[frame + hand.index()] - did[frame + elbow.index()]).normalize();
+    longer[frame + hand.index()] += 0.02 * along;
+    check(&trial.figures(&longer), Figure::Bone, 20.0);
+    // An ignored joint counts no more.
+    let head = hands.joint("head").unwrap();
+    let mut nodding = did.clone();
+    nodding.iter_mut().skip(head.index()).step_by(hands.len()).for_each(|p| p.z += 0.5);
+    assert!(trial.figures(&nodding).get(Figure::Joint).unwrap() > 1.0);
+    let blind = Trial::new(truth, &predictor, &["head".to_owned()]).unwrap();
+    check(&blind.figures(&nodding), Figure::Joint, 0.0);
+    assert!(Trial::new(truth, &predictor, &["tail".to_owned()]).is_err());
+}
+
+/// What a method predicts does not change with what the person in the robot's role did, as long
+/// as its base, its bones and its first pose are the same.
+#[test]
+fn no_method_sees_the_robots_truth() {
+    let clips = clips(8);
+    let settings = PredictSettings { smoothing: 0.0, ..PredictSettings::default() };
+    let predictor = Predictor::fit(clips[1..].to_vec(), settings).unwrap();
+    let truth = &clips[0];
+    // A robot that stands still on its moving base.
+    let base = truth.robot_base();
+    let robot = truth.robot();
+    let start = &robot.frames()[0];
+    let frames = robot.frames().iter().map(|frame| {
+        let shift = frame.positions[base.index()] - start.positions[base.index()];
+        let mut positions: Box<[Point]> = start.positions.iter().map(|p| p + shift).collect();
+        // Exactly, not up to rounding.
+        positions[base.index()] = frame.positions[base.index()];
+        Frame { stamp: frame.stamp, positions }
+    });
+    let still = Sequence::new(robot.skeleton().clone(), frames.collect()).unwrap();
+    let idle = demonstration(truth.recording().with_motion(Role::First, still).unwrap(), "giver");
+    assert!((idle.contact().distance - truth.contact().distance).abs() > 0.1, "truth did change");
+
+    let bones = truth.robot().bone_lengths();
+    let [mut with, mut without] = [truth, &idle].map(|d| predictor.observe(d));
+    // Medians of constant bones differ by rounding.
+    (with.bone_lengths, without.bone_lengths) = (bones.clone(), bones);
+    let [seen, unseen] = [&with, &without].map(|o| predictor.align(o).unwrap());
+    for method in Method::ALL {
+        let a = predictor.predict(method, &with, &seen).unwrap();
+        let b = predictor.predict(method, &without, &unseen).unwrap();
+        assert_eq!(a, b, "{}", method.name());
+    }
+}
+
+#[test]
+fn the_mesh_meets_hands_and_keeps_bones() {
+    let clips = clips(20);
+    let groups: Vec<String> = (0..20).map(|i| format!("{i:02}")).collect();
+    let settings = EvaluateSettings {
+        methods: Method::ALL.to_vec(),
+        folds: 10,
+        ignored_joints: Vec::new(),
+        predict: PredictSettings::default(),
+    };
+    let evaluation = leave_one_out(&clips, &groups, &settings, || ()).unwrap();
+    let median = |method: Method, figure: Figure| {
+        let (_, summaries) = evaluation.summary.iter().find(|(m, _)| *m == method).unwrap();
+        summaries[figure as usize].unwrap().median
+    };
+    for figure in [Figure::Contact, Figure::Gap] {
+        let ours = median(Method::Mesh, figure);
+        for other in [Method::Hold, Method::Replay, Method::Knn, Method::None] {
+            assert!(ours < median(other, figure), "{figure:?}: {}", other.name());
+        }
+    }
+    assert!(median(Method::Mesh, Figure::Bone) < 1e-6, "bones are exact");
+    assert!(median(Method::Knn, Figure::Bone) > 5.0, "and a mean's are not");
+}
+
+#[test]
+fn one_group_has_nobody_to_learn_from() {
+    let clips = clips(3);
+    let settings = EvaluateSettings {
+        methods: vec![Method::Hold],
+        folds: 10,
+        ignored_joints: Vec::new(),
+        predict: PredictSettings::default(),
+    };
+    let groups = vec!["same".to_owned(); 3];
+    let error = leave_one_out(&clips, &groups, &settings, || ()).unwrap_err().to_string();
+    assert!(error.contains("1 group"), "{error}");
+}
