@@ -190,7 +190,87 @@ fn a_broken_file_is_named_and_the_rest_goes_on() {
 fn one_clip_has_nobody_to_learn_from() {
     let folder = clips(1);
     check(&folder, &evaluate(&[]), 1, &["learns from the others and needs two"]);
-    check(&folder, &["replay", "clips", "clips/0.csv"], 1, &["no recording", "beside clips/0.csv"]);
+    check(
+        &folder,
+        &["replay", "clips", "clips/0.csv"],
+        1,
+        &["not learn from itself", "clips/0.csv"],
+    );
+}
+
+#[test]
+fn the_same_scene_under_another_path_is_not_learnt_from() {
+    let folder = clips(3);
+    fs::copy(folder.path().join("clips/0.csv"), folder.path().join("copy.csv")).unwrap();
+    let found = check_json(&folder, &["replay", "clips", "copy.csv", "--json"], 0);
+    assert_eq!(found["demonstrations"], 2, "the copy's original is left out");
+    check(&folder, &["replay", "clips/0.csv", "copy.csv"], 1, &["not learn from itself"]);
+
+    // Two sensors' views of one scene: the same name for it, other numbers in it.
+    for (view, number) in [("left", 0), ("right", 1)] {
+        let text = fs::read_to_string(folder.path().join(format!("clips/{number}.csv"))).unwrap();
+        let path = folder.path().join(format!("clips/{view}.csv"));
+        fs::write(path, format!("# scene=studio\n{text}")).unwrap();
+    }
+    let found = check_json(&folder, &["replay", "clips", "clips/left.csv", "--json"], 0);
+    assert_eq!(found["demonstrations"], 2, "neither the other view nor the same people");
+    fs::remove_file(folder.path().join("clips/2.csv")).unwrap();
+    fs::remove_file(folder.path().join("clips/1.csv")).unwrap();
+    fs::remove_file(folder.path().join("clips/0.csv")).unwrap();
+    check(&folder, &evaluate(&[]), 1, &["1 group"]);
+}
+
+#[test]
+fn outputs_that_would_lose_something_are_refused_before_any_work() {
+    let folder = clips(3);
+    let original = fs::read(folder.path().join("clips/0.csv")).unwrap();
+    let overwrite = ["replay", "clips", "clips/0.csv", "-o", "clips/0.csv"];
+    check(&folder, &overwrite, 2, &["clips/0.csv is an input"]);
+    check(&folder, &["import", "clips/0.csv", "clips/0.csv"], 2, &["is the input"]);
+    check(&folder, &["import", "clips", "clips"], 2, &["is the input"]);
+    assert_eq!(fs::read(folder.path().join("clips/0.csv")).unwrap(), original);
+    check(&folder, &["replay", "clips", "clips/0.csv", "-o", "no/o.csv"], 2, &["no folder no"]);
+    check(&folder, &evaluate(&["-o", "no/e.json"]), 2, &["no folder no"]);
+}
+
+#[test]
+fn a_clip_that_a_method_cannot_solve_is_named_and_the_rest_goes_on() {
+    let folder = clips(3);
+    let unanchored = evaluate(&[
+        "--methods",
+        "hold,none",
+        "--json",
+        "--set",
+        "mesh.time_weight=0",
+        "--set",
+        "retarget.bone_weight=0",
+        "--set",
+        "retarget.known=soft",
+        "--set",
+        "retarget.known_weight=1e-6",
+        "--set",
+        "retarget.laplacian_weight=1e6",
+        "--set",
+        "retarget.transform=implicit",
+    ]);
+    let found = check_json(&folder, &unanchored, 3);
+    let clip = &found["clips"][0];
+    assert!(
+        clip["methods"]["none"]["contact_cm"].is_null()
+            && clip["methods"]["hold"]["contact_cm"].is_number()
+    );
+    check(&folder, &unanchored, 3, &["not predicted: 0, none", "not predicted: 2, none"]);
+}
+
+#[test]
+fn the_odd_one_out_is_left_out_even_if_it_comes_first() {
+    let folder = clips(3);
+    let text = fs::read_to_string(folder.path().join("clips/0.csv")).unwrap();
+    let headless: Vec<&str> = text.lines().filter(|line| !line.contains(",head,")).collect();
+    fs::write(folder.path().join("clips/00.csv"), headless.join("\n") + "\n").unwrap();
+    let found = check_json(&folder, &evaluate(&["--methods", "hold", "--json"]), 3);
+    assert_eq!(found["clips"].as_array().unwrap().len(), 3);
+    check(&folder, &evaluate(&["--methods", "hold"]), 3, &["left out: 00: has other joints"]);
 }
 
 #[test]

@@ -14,6 +14,8 @@ pub mod profile;
 pub mod scene;
 pub mod sensor;
 
+use std::collections::BTreeMap;
+
 use handover_mesh::Recording;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -67,6 +69,9 @@ pub fn generate(seed: u64, index: u64, name: &str, sensor: &Sensor) -> Result<Cl
     let random = &mut stream(1);
     let stamps = sensor.capture_stamps(scene.moments().end, random);
     let Take { truth, clamped_frames } = scene.record(name, &stamps)?;
+    // Truth and measurement show one scene: nobody may learn one from the other.
+    let scene_name = BTreeMap::from([(Recording::SCENE.to_owned(), format!("{seed}/{index}"))]);
+    let truth = truth.with_metadata(scene_name);
     let view = sensor.observe(&truth, random)?;
     Ok(Clip { scene, truth, view, clamped_frames })
 }

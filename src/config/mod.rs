@@ -224,6 +224,8 @@ fn flatten(prefix: &str, value: &Value, values: &mut BTreeMap<String, Value>) {
                 flatten(&key, value, values);
             }
         }
+        // A section whose keys are all commented out.
+        Value::Null => {}
         value => {
             values.insert(prefix.to_owned(), value.clone());
         }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::{Contact, Hands};
 use crate::geometry::{Point, Vector, yaw_isometry};
+use crate::kinematics::minimum_jerk;
 use crate::skeleton::{JointId, Recording, Role, Sequence, Skeleton};
 
 /// A recording of which the robot may take one role.
@@ -160,6 +161,13 @@ impl Observation {
     pub fn seconds(&self, frame: f64) -> f64 {
         let at = |k: f64| self.partner.frames()[(k as usize).min(self.len() - 1)].stamp.seconds();
         at(frame.floor()) + (at(frame.ceil()) - at(frame.floor())) * frame.fract()
+    }
+
+    /// How near a frame is to a moment (a fractional frame): 1 there, 0 from `fade` `[s]` off,
+    /// smoothly between.
+    pub fn nearness(&self, frame: usize, moment: f64, fade: f64) -> f64 {
+        let off = (self.seconds(frame as f64) - self.seconds(moment)).abs();
+        minimum_jerk(1.0 - off / fade)
     }
 
     /// Where the partner's base is at a frame `[m]`.

@@ -8,7 +8,7 @@ use super::folds::folds;
 use super::report::{Clip, Evaluation};
 use super::{Figures, Trial, TrialError};
 use crate::demonstration::Demonstration;
-use crate::predict::{Method, PredictError, PredictSettings, Predictor};
+use crate::predict::{Method, PredictSettings, Predictor};
 
 /// What an evaluation may choose.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,12 +71,12 @@ pub fn leave_one_out(
             let others = clips.iter().zip(&folds).filter(|(_, f)| **f != fold);
             let others = others.map(|(clip, _)| clip.clone()).collect();
             Predictor::fit(others, settings.predict.clone()).map_err(|error| EvaluateError::Clip {
-                clip: format!("fold {fold}"),
+                clip: format!("learning without fold {fold}"),
                 error: error.into(),
             })
         })
         .collect::<Result<_, _>>()?;
-    let clips: Vec<Clip> = clips
+    let evaluated: Vec<(Clip, Vec<String>)> = clips
         .par_iter()
         .zip(&folds)
         .map(|(clip, fold)| {
@@ -88,20 +88,32 @@ pub fn leave_one_out(
             })
         })
         .collect::<Result<_, _>>()?;
-    Ok(Evaluation::new("leave_one_out", &settings.methods, clips))
+    let (clips, failures): (Vec<Clip>, Vec<Vec<String>>) = evaluated.into_iter().unzip();
+    Ok(Evaluation::new("leave_one_out", &settings.methods, clips, failures.concat()))
 }
 
-/// All methods on one clip.
+/// All methods on one clip, and which of them had nothing to say about it.
 fn evaluate_clip(
     truth: &Demonstration,
     predictor: &Predictor,
     settings: &EvaluateSettings,
-) -> Result<Clip, TrialError> {
+) -> Result<(Clip, Vec<String>), TrialError> {
     let trial = Trial::new(truth, predictor, &settings.ignored_joints)?;
-    let methods = settings.methods.iter().map(|method| Ok((*method, trial.run(*method)?.1)));
-    let methods = methods.collect::<Result<Vec<(Method, Figures)>, PredictError>>()?;
-    let did = truth.robot().frames().iter().flat_map(|f| f.positions.iter().copied());
-    let human = trial.figures(&did.collect::<Vec<_>>());
-    let recording = truth.recording();
-    Ok(Clip { name: recording.name().to_owned(), frames: recording.len(), methods, human })
+    let name = truth.recording().name();
+    let mut failures = Vec::new();
+    let methods = settings.methods.iter().map(|method| {
+        let figures = trial.run(*method).map(|(_, figures)| figures).unwrap_or_else(|error| {
+            failures.push(format!("{name}, {}: {error}", method.name()));
+            Figures::default()
+        });
+        (*method, figures)
+    });
+    let methods = methods.collect();
+    let clip = Clip {
+        name: name.to_owned(),
+        frames: truth.recording().len(),
+        methods,
+        human: trial.human(),
+    };
+    Ok((clip, failures))
 }

@@ -15,7 +15,8 @@ pub struct Clip {
     pub frames: usize,
     /// The methods' figures, in the columns' order.
     pub methods: Vec<(Method, Figures)>,
-    /// The same figures of what the human in the robot's role did: how much people scatter.
+    /// The same figures of what the human in the robot's role did, by the hands that really met:
+    /// how much people scatter.
     pub human: Figures,
 }
 
@@ -34,17 +35,24 @@ pub struct Evaluation {
     pub summary: Vec<(Method, Summaries)>,
     /// Of the humans in the robot's role.
     pub human: Summaries,
+    /// Clips and methods without a prediction, each with its reason; their figures are undefined.
+    pub failures: Vec<String>,
 }
 
 impl Evaluation {
     /// Sums up the clips.
-    pub(super) fn new(protocol: &'static str, methods: &[Method], clips: Vec<Clip>) -> Self {
+    pub(super) fn new(
+        protocol: &'static str,
+        methods: &[Method],
+        clips: Vec<Clip>,
+        failures: Vec<String>,
+    ) -> Self {
         let summary = methods.iter().enumerate().map(|(column, method)| {
             (*method, summaries(clips.iter().map(|clip| &clip.methods[column].1)))
         });
         let summary = summary.collect();
         let human = summaries(clips.iter().map(|clip| &clip.human));
-        Self { protocol, clips, summary, human }
+        Self { protocol, clips, summary, human, failures }
     }
 
     /// `{"protocol","role","clips":[{"name","frames","methods":{METHOD:{FIGURE}},"human":{FIGURE}}],

@@ -48,6 +48,8 @@ pub struct Trial<'a> {
     observation: Observation,
     alignment: Alignment,
     scene: Option<Scene<'a>>,
+    truth: &'a Demonstration,
+    ignored: Vec<JointId>,
 }
 
 impl<'a> Trial<'a> {
@@ -66,7 +68,7 @@ impl<'a> Trial<'a> {
         let alignment = predictor.align(&observation)?;
         let gap = predictor.mean_gap(alignment.hands);
         let scene = Scene::new(truth, alignment.hands, gap, &ignored);
-        Ok(Self { predictor, observation, alignment, scene })
+        Ok(Self { predictor, observation, alignment, scene, truth, ignored })
     }
 
     /// The robot's joints by a method (`[m]`, `frames × joints`), and how far they are off.
@@ -85,5 +87,16 @@ impl<'a> Trial<'a> {
     /// If it has not one position per frame and joint.
     pub fn figures(&self, predicted: &[Point]) -> Figures {
         self.scene.as_ref().map(|scene| scene.figures(predicted)).unwrap_or_default()
+    }
+
+    /// The figures of what the human in the robot's role did, by the hands that really met: a
+    /// wrong guess of the hands is no scatter of the human's.
+    pub fn human(&self) -> Figures {
+        let hands = self.truth.contact().hands;
+        let gap = self.predictor.mean_gap(hands);
+        let did = self.truth.robot().frames().iter().flat_map(|f| f.positions.iter().copied());
+        Scene::new(self.truth, hands, gap, &self.ignored)
+            .map(|scene| scene.figures(&did.collect::<Vec<_>>()))
+            .unwrap_or_default()
     }
 }

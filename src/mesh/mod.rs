@@ -50,7 +50,7 @@ pub enum MeshError {
         joint: usize,
     },
     /// A frame's positions have no exact tetrahedra.
-    #[error("tetrahedra of a frame: {0}")]
+    #[error("a frame has no exact tetrahedra")]
     Delaunay(#[from] DelaunayError),
     /// A position is NaN or infinite.
     #[error("frame {frame}, joint {joint}: position is not finite")]

@@ -6,7 +6,7 @@
 use super::aligned::Alignment;
 use crate::demonstration::Observation;
 use crate::geometry::{Point, Vector};
-use crate::kinematics::{minimum_jerk, two_bone};
+use crate::kinematics::two_bone;
 use crate::skeleton::Part;
 
 /// - `gap`: robot's hand minus partner's `[m]`, in the partner's heading frame.
@@ -31,10 +31,8 @@ pub(super) fn predict(
         bones.find(|(bone, _)| bone.child == child).map_or(0.0, |(_, length)| *length)
     };
     let (upper, lower) = (length(elbow), length(hand));
-    let contact = observation.seconds(nearest.contact);
     for (k, pose) in predicted.chunks_exact_mut(skeleton.len()).enumerate() {
-        let near = 1.0 - (observation.seconds(k as f64) - contact).abs() / fade;
-        let share = minimum_jerk(near.clamp(0.0, 1.0));
+        let share = observation.nearness(k, nearest.contact, fade);
         let goal = observation.partner.position(k, partner_hand) + observation.gap_in_world(k, gap);
         let (root, replayed) = (pose[shoulder.index()], pose[hand.index()]);
         let pole = pose[elbow.index()] - root;

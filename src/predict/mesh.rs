@@ -10,7 +10,6 @@ use super::aligned::Alignment;
 use super::{KnownJoints, PredictError, PredictSettings};
 use crate::demonstration::{Hands, Observation};
 use crate::geometry::Point;
-use crate::kinematics::minimum_jerk;
 use crate::mesh::{Edge, EdgeWeights, InitialEdges, InteractionMesh, Pair, Topology};
 use crate::retarget::{Constraint, Retargeter, project_bones};
 use crate::skeleton::{Part, Role};
@@ -86,12 +85,11 @@ fn hold_contact_gap(
     ) else {
         return;
     };
-    let (gap, contact) = (alignment.contact_gap(), observation.seconds(alignment.contact()));
+    let (gap, contact) = (alignment.contact_gap(), alignment.contact());
     let robot = robot.chunks_exact_mut(robot_skeleton.len());
     let partner = partner.chunks_exact(partner_skeleton.len());
     for (frame, (robot, partner)) in robot.zip(partner).enumerate() {
-        let off = (observation.seconds(frame as f64) - contact).abs();
-        let share = minimum_jerk((1.0 - off / fade).clamp(0.0, 1.0));
+        let share = observation.nearness(frame, contact, fade);
         let goal = partner[partner_hand.index()] + observation.gap_in_world(frame, gap);
         let hand = &mut robot[robot_hand.index()];
         *hand += (goal - *hand) * share;

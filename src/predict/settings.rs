@@ -39,7 +39,8 @@ pub struct PredictSettings {
     pub ridge_penalty: f64,
     /// Basis functions of `promp`, ≥ 2.
     pub promp_bases: usize,
-    /// Share `[-]` of the demonstrations' mean variance that `promp` takes for noise; > 0.
+    /// Share `[-]` of the demonstrations' variance, summed over all coordinates, that `promp` takes
+    /// for noise; > 0.
     pub promp_noise: f64,
     /// How long before and after contact `attach` fades its hand in and out `[s]`, > 0.
     pub attach_fade: f64,
@@ -64,7 +65,7 @@ impl Default for PredictSettings {
             retarget: RetargetSettings::default(),
             ridge_penalty: 1e-2,
             promp_bases: 15,
-            promp_noise: 0.1,
+            promp_noise: 0.03,
             attach_fade: 1.0,
         }
     }

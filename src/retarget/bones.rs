@@ -7,8 +7,8 @@ use crate::skeleton::{JointId, Side, Skeleton};
 /// Gives every bone its exact length.
 ///
 /// Root outwards, a child goes along the solved direction from its parent's new place. That alone
-/// would shift a hand by all the errors above it; so the arms are then laid between their shoulder
-/// and their solved hand by two-bone inverse kinematics, bent the way they were solved. A hand out
+/// would shift a hand by all the errors above it; so an arm is laid between its shoulder's new place
+/// and its solved hand by two-bone inverse kinematics, bent the way it was solved. A hand out
 /// of reach is as near as it can be. (Legs are left: nearly straight, their knees would flutter.)
 ///
 /// - `positions`: `[m]`, one person's joints in one frame, changed in place; the root stays.
@@ -23,26 +23,38 @@ pub fn project_bones(skeleton: &Skeleton, lengths: &[f64], positions: &mut [Poin
     assert_eq!(lengths.len(), skeleton.bones().len(), "one length per bone");
     // Directions are those of the solution, so a child's shift never turns its own children.
     let mut shifts = [Vector::zeros(); Skeleton::MAX_JOINTS];
+    let arms = Side::BOTH.map(|side| skeleton.arm(side));
     for (bone, length) in skeleton.bones().zip(lengths) {
-        let (parent, child) = (bone.parent.index(), bone.child.index());
-        let solved_parent = positions[parent] - shifts[parent];
-        let along = direction_or(positions[child] - solved_parent, -Vector::z());
-        let place = positions[parent] + along * *length;
-        shifts[child] = place - positions[child];
-        positions[child] = place;
-    }
-    for [shoulder, elbow, hand] in Side::BOTH.into_iter().filter_map(|side| skeleton.arm(side)) {
-        let (Some(upper), Some(lower)) = (
-            length_between(skeleton, lengths, shoulder, elbow),
-            length_between(skeleton, lengths, elbow, hand),
-        ) else {
-            continue;
-        };
+        let (parent, child) = (bone.parent, bone.child);
         let solved = |joint: JointId| positions[joint.index()] - shifts[joint.index()];
-        let pole = solved(elbow) - solved(shoulder);
-        let arm = two_bone(positions[shoulder.index()], solved(hand), upper, lower, pole);
-        positions[elbow.index()] = arm.middle;
-        positions[hand.index()] = arm.end;
+        let arm =
+            arms.into_iter().flatten().find(|[_, elbow, hand]| [elbow, hand].contains(&&child));
+        let lower = arm.and_then(|[_, elbow, hand]| length_between(skeleton, lengths, elbow, hand));
+        let places = match (arm, lower) {
+            // The upper arm's turn: elbow and hand together.
+            (Some([shoulder, elbow, hand]), Some(lower))
+                if [shoulder, elbow] == [parent, child] =>
+            {
+                let (root, pole) = (positions[shoulder.index()], solved(elbow) - solved(shoulder));
+                let arm = two_bone(root, positions[hand.index()], *length, lower, pole);
+                [Some((elbow, arm.middle)), Some((hand, arm.end))]
+            }
+            // The forearm has had its turn, if its upper arm is a bone too.
+            (Some([shoulder, elbow, hand]), Some(_))
+                if [elbow, hand] == [parent, child]
+                    && length_between(skeleton, lengths, shoulder, elbow).is_some() =>
+            {
+                [None, None]
+            }
+            _ => {
+                let along = direction_or(positions[child.index()] - solved(parent), -Vector::z());
+                [Some((child, positions[parent.index()] + along * *length)), None]
+            }
+        };
+        for (joint, place) in places.into_iter().flatten() {
+            shifts[joint.index()] = place - positions[joint.index()];
+            positions[joint.index()] = place;
+        }
     }
 }
 
@@ -96,6 +108,22 @@ mod tests {
             let [torso, neck] = [2, 1];
             let turned = (exact[neck] - exact[torso]).normalize() - (solved[neck] - solved[torso]).normalize();
             prop_assert!(turned.norm() < 1e-9);
+        }
+
+        /// Joints beyond a hand go with it.
+        #[test]
+        fn fingers_keep_their_bones(noise in prop::collection::vec(-0.5f64..0.5, 15)) {
+            let names = ["torso", "left_shoulder", "left_elbow", "left_hand", "finger"];
+            let bones = [[0, 1], [1, 2], [2, 3], [3, 4]];
+            let skeleton = Skeleton::new(names.map(String::from).to_vec(), &bones).unwrap();
+            let mut positions: Vec<Point> =
+                noise.chunks_exact(3).map(|p| Point::new(p[0], p[1], p[2])).collect();
+            let lengths = [0.2, 0.3, 0.25, 0.1];
+            project_bones(&skeleton, &lengths, &mut positions);
+            for (bone, length) in skeleton.bones().zip(lengths) {
+                let along = positions[bone.child.index()] - positions[bone.parent.index()];
+                prop_assert!((along.norm() - length).abs() < 1e-12);
+            }
         }
 
         #[test]

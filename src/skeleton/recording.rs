@@ -103,6 +103,10 @@ pub enum RecordingError {
 }
 
 impl Recording {
+    /// The metadata key that names what was recorded, where several recordings show the same
+    /// (two sensors, or a made-up scene and a sensor's view of it).
+    pub const SCENE: &str = "scene";
+
     /// The only way in.
     ///
     /// - `name`: what reports call the clip; a file's stem, or its place in a folder tree.
@@ -167,6 +171,11 @@ impl Recording {
     /// Free words about the clip (`class`, `pair`).
     pub fn metadata(&self) -> &BTreeMap<String, String> {
         &self.metadata
+    }
+
+    /// What was recorded: the metadata [`Self::SCENE`] names it, or the recording itself.
+    pub fn scene(&self) -> &str {
+        self.metadata.get(Self::SCENE).unwrap_or(&self.name)
     }
 
     /// The number of frames of each person.

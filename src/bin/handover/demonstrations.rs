@@ -36,19 +36,36 @@ pub(crate) fn load(
     let files::Demonstrations { recordings, bad } = files::load(paths, selection, output)?;
     files::name_bad(&bad, output);
     let mut left_out = bad.len();
+    if recordings.is_empty() {
+        bail!("no recording is left to work with");
+    }
     let role = match role {
         Some(role) => role.to_owned(),
         None => default_role(&recordings)?,
     };
     let mut demonstrations: Vec<Arc<Demonstration>> = Vec::new();
+    let mut leave_out = |why: String| {
+        output.problem(&format!("left out: {why}"));
+        left_out += 1;
+    };
     for recording in recordings {
-        match demonstration(recording, &role, demonstrations.first(), config) {
+        match Demonstration::new(Arc::new(recording), &role, &config.base_joint) {
             Ok(demonstration) => demonstrations.push(Arc::new(demonstration)),
-            Err(error) => {
-                output.problem(&format!("left out: {error:#}"));
-                left_out += 1;
-            }
+            Err(error) => leave_out(error.to_string()),
         }
+    }
+    let kind = |d: &Demonstration| (d.robot_role(), Pair::of(d.recording()));
+    if let Some(usual) = most_common(demonstrations.iter().map(|d| kind(d))) {
+        demonstrations.retain(|demonstration| {
+            let same = kind(demonstration) == usual;
+            if !same {
+                let name = demonstration.recording().name();
+                leave_out(format!(
+                    "{name}: has other joints, or people in another order, than most"
+                ));
+            }
+            same
+        });
     }
     if demonstrations.is_empty() {
         bail!("no recording is left to work with");
@@ -56,24 +73,20 @@ pub(crate) fn load(
     Ok(Loaded { demonstrations, role, left_out })
 }
 
-/// The role in one recording, of the same kind as the first.
-fn demonstration(
-    recording: Recording,
-    role: &str,
-    first: Option<&Arc<Demonstration>>,
-    config: &Config,
-) -> anyhow::Result<Demonstration> {
-    let demonstration = Demonstration::new(Arc::new(recording), role, &config.base_joint)?;
-    if let Some(first) = first {
-        let (name, other) = (demonstration.recording().name(), first.recording().name());
-        if demonstration.robot_role() != first.robot_role() {
-            bail!("{name}: names its people in another order than {other}");
-        }
-        if Pair::of(demonstration.recording()) != Pair::of(first.recording()) {
-            bail!("{name}: has other joints than {other}");
+/// The value that occurs most often, the first of equals; `None` of nothing.
+fn most_common<T: PartialEq>(values: impl Iterator<Item = T>) -> Option<T> {
+    let mut counts: Vec<(T, usize)> = Vec::new();
+    for value in values {
+        match counts.iter_mut().find(|(known, _)| *known == value) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((value, 1)),
         }
     }
-    Ok(demonstration)
+    // `max_by_key` would take the last of equals.
+    counts
+        .into_iter()
+        .reduce(|best, next| if next.1 > best.1 { next } else { best })
+        .map(|(v, _)| v)
 }
 
 fn default_role(recordings: &[Recording]) -> anyhow::Result<String> {

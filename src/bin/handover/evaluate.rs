@@ -14,6 +14,9 @@ use crate::output::Output;
 use crate::progress::Progress;
 use crate::{Outcome, UsageError, files};
 
+/// The row of what people did themselves.
+const HUMAN: &str = "(human)";
+
 /// Loads, evaluates, prints.
 pub(crate) fn run(
     arguments: &Evaluate,
@@ -21,15 +24,16 @@ pub(crate) fn run(
     output: &Output,
 ) -> anyhow::Result<Outcome> {
     let Evaluate { demonstrations, selection, out, .. } = arguments;
-    files::check_ending(out.as_deref(), "json")?;
+    files::check_out(out.as_deref(), "json", demonstrations)?;
     let role = arguments.role.as_deref();
     let Loaded { demonstrations, role, left_out } =
         demonstrations::load(demonstrations, role, selection, config, output)?;
     let groups = demonstrations.iter().map(|demonstration| {
         let recording = demonstration.recording();
-        let Some(key) = &arguments.group else { return Ok(recording.name().to_owned()) };
+        let Some(key) = &arguments.group else { return Ok(recording.scene().to_owned()) };
         let Some(group) = recording.metadata().get(key) else {
-            bail!(UsageError(format!("{}: no metadata '{key}' to group by", recording.name())));
+            bail!(UsageError(format!("{}: no metadata '{key}' to group by (hint: a CSV says it in a line '# {key}=…' above its header)",
+                recording.name())));
         };
         Ok(group.clone())
     });
@@ -48,12 +52,17 @@ pub(crate) fn run(
     };
     drop(progress);
     let evaluation = evaluation.context("cannot evaluate")?;
+    for failure in &evaluation.failures {
+        output.problem(&format!("not predicted: {failure}"));
+    }
+    // The table first: it is not lost where the file cannot be written.
+    output.result(|| table(&evaluation, &role), || evaluation.to_json(&role))?;
     if let Some(out) = out {
         files::write_text(&format!("{}\n", evaluation.to_json(&role)), out)?;
         output.note(&format!("wrote {}", out.display()));
     }
-    output.result(|| table(&evaluation, &role), || evaluation.to_json(&role))?;
-    Ok(if left_out == 0 { Outcome::Done } else { Outcome::Loss })
+    let whole = left_out == 0 && evaluation.failures.is_empty();
+    Ok(if whole { Outcome::Done } else { Outcome::Loss })
 }
 
 /// The methods asked for, each once, in the tables' order; all where none is named.
@@ -97,11 +106,14 @@ fn table(evaluation: &Evaluation, role: &str) -> String {
     }
     let methods = evaluation.summary.iter().map(|(method, figures)| (method.name(), figures));
     // What people did, by the same figures: how much they scatter themselves.
-    for (name, figures) in methods.chain([("(human)", &evaluation.human)]) {
+    for (name, figures) in methods.chain([(HUMAN, &evaluation.human)]) {
         let _ = write!(text, "{name:8}");
         for (figure, summary) in Figure::ALL.into_iter().zip(figures) {
-            let cell = |text: fn(&Summary) -> String| summary.as_ref().map_or("-".into(), text);
-            let _ = write!(text, "{:>15}", cell(|s| format!("{:.1} / {:.1}", s.mean, s.median)));
+            // How far people are from themselves says nothing.
+            let itself = matches!(figure, Figure::Joint | Figure::Hand | Figure::Contact);
+            let summary = summary.as_ref().filter(|_| !(itself && name == HUMAN));
+            let cell = |text: fn(&Summary) -> String| summary.map_or("-".into(), text);
+            let _ = write!(text, " {:>14}", cell(|s| format!("{:.1} / {:.1}", s.mean, s.median)));
             if figure == Figure::Contact {
                 let _ = write!(text, "{:>14}", cell(|s| format!("{:.1} - {:.1}", s.low, s.high)));
             }

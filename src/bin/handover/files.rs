@@ -20,7 +20,7 @@ use crate::progress::Progress;
 use names::{Place, distinct_names};
 use search::Found;
 pub(crate) use search::about;
-pub(crate) use write::{check_ending, write, write_text};
+pub(crate) use write::{check_out, write, write_text};
 
 /// No recording is as large; what claims to be must not fill the memory.
 const LARGEST: u64 = 1 << 29;

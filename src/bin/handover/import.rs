@@ -22,6 +22,9 @@ const FILE_ENDINGS: [&str; 6] = ["csv", "txt", "mcap", "db3", "bag", "json"];
 pub(crate) fn run(import: &Import, output: &Output) -> anyhow::Result<Outcome> {
     let (source, out) = (&import.source, &import.out);
     let about = files::about(source)?;
+    if out.canonicalize().is_ok_and(|out| source.canonicalize().is_ok_and(|s| s == out)) {
+        bail!(UsageError(format!("{} is the input and would be overwritten", out.display())));
+    }
     if about.is_dir() {
         check_folder(out)?
     } else {
@@ -43,9 +46,8 @@ pub(crate) fn run(import: &Import, output: &Output) -> anyhow::Result<Outcome> {
         .map(|(recording, target)| {
             let wrote = files::write(&recording, &target);
             progress.step();
-            let name = || PathBuf::from(recording.name());
-            wrote.map(|()| target).map_err(|error| BadFile {
-                path: name(),
+            wrote.map(|()| target.clone()).map_err(|error| BadFile {
+                path: target,
                 faults: vec![Fault { line: None, reason: format!("{error:#}") }],
             })
         })

@@ -16,19 +16,32 @@ use crate::{Outcome, UsageError, files};
 
 /// Loads, predicts, writes, prints.
 pub(crate) fn run(replay: &Replay, config: &Config, output: &Output) -> anyhow::Result<Outcome> {
-    files::check_ending(replay.out.as_deref(), "csv")?;
     let Replay { demonstrations, recording, selection, .. } = replay;
+    let inputs = [demonstrations.clone(), recording.clone()];
+    files::check_out(replay.out.as_deref(), "csv", &inputs)?;
     let load = |path, role: Option<&str>, selection: &Selection| {
         demonstrations::load(std::slice::from_ref(path), role, selection, config, output)
     };
     // Who learns from the answer need not find it.
     let others = Selection { except: Some(recording.clone()), ..selection.clone() };
-    let Loaded { demonstrations, role, left_out } =
+    let Loaded { mut demonstrations, role, left_out } =
         load(demonstrations, replay.role.as_deref(), &others)?;
     let replayed = load(recording, Some(&role), selection)?;
     let [truth] = replayed.demonstrations.as_slice() else {
         bail!(UsageError(format!("{}: replay takes one recording", recording.display())));
     };
+    // The same scene under another path.
+    let (scene, people) = (truth.recording().scene(), truth.recording().people());
+    demonstrations.retain(|demonstration| {
+        let recording = demonstration.recording();
+        recording.scene() != scene && recording.people() != people
+    });
+    if demonstrations.is_empty() {
+        bail!(
+            "a recording does not learn from itself, and there is no other than {}",
+            recording.display()
+        );
+    }
     let learnt_from = demonstrations.len();
     let predictor =
         Predictor::fit(demonstrations, config.predict.clone()).context("cannot learn")?;

@@ -49,7 +49,7 @@ pub(super) fn find(arguments: &[PathBuf], selection: &Selection) -> anyhow::Resu
         except.as_ref() != Some(&place) && seen.insert(place)
     });
     if let Some(except) = selection.except.as_deref().filter(|_| found.is_empty()) {
-        bail!("no recording is left beside {}", except.display());
+        bail!("a recording does not learn from itself, and there is none but {}", except.display());
     }
     Ok(found)
 }

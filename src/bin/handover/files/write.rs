@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::io::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use handover_mesh::Recording;
@@ -10,14 +10,31 @@ use handover_mesh::formats::csv;
 
 use crate::UsageError;
 
-/// Refuses a file to write whose ending does not say what it will hold.
+/// Refuses, before any work is done, an output that cannot be meant: another ending, a folder that
+/// is not there, or one of the inputs.
 ///
 /// # Errors
 /// [`UsageError`].
-pub(crate) fn check_ending(out: Option<&Path>, ending: &str) -> anyhow::Result<()> {
-    let other = |out: &&Path| out.extension().is_none_or(|found| found != ending);
-    if let Some(out) = out.filter(other) {
-        bail!(UsageError(format!("{}: what is written here ends in .{ending}", out.display())));
+pub(crate) fn check_out(
+    out: Option<&Path>,
+    ending: &str,
+    inputs: &[PathBuf],
+) -> anyhow::Result<()> {
+    let Some(out) = out else { return Ok(()) };
+    let shown = out.display();
+    if out.extension().is_none_or(|found| !found.eq_ignore_ascii_case(ending)) {
+        bail!(UsageError(format!("{shown}: what is written here ends in .{ending}")));
+    }
+    // A bare file name's parent is the empty path: this folder.
+    let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
+    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+        bail!(UsageError(format!("{shown}: no folder {}", folder.display())));
+    }
+    // What does not exist yet overwrites nothing.
+    let Ok(existing) = out.canonicalize() else { return Ok(()) };
+    let inputs = inputs.iter().filter_map(|input| input.canonicalize().ok());
+    if inputs.into_iter().any(|input| existing.starts_with(input)) {
+        bail!(UsageError(format!("{shown} is an input and would be overwritten")));
     }
     Ok(())
 }
