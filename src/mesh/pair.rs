@@ -77,13 +77,6 @@ impl Pair {
         if vertex.index() < self.offset(Role::Second) { Role::First } else { Role::Second }
     }
 
-    /// `person/joint`-style name: `first/right_hand`.
-    pub fn name(&self, vertex: Vertex, people: [&str; 2]) -> String {
-        let role = self.role(vertex);
-        let joint = vertex.index() - self.offset(role);
-        format!("{}/{}", people[role as usize], self.skeletons[role as usize].names()[joint])
-    }
-
     /// Bones of both people as `[parent, child]`, the first person's before the second's, each
     /// root outwards.
     pub fn bones(&self) -> impl Iterator<Item = [Vertex; 2]> + '_ {
