@@ -27,3 +27,8 @@ pub use skeleton::{
     SequenceError, Side, Skeleton, SkeletonError,
 };
 pub use time::{Span, Stamp};
+
+/// The README's code has to compile.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
