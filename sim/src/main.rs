@@ -43,7 +43,7 @@ struct Generate {
     #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,
     /// Where to write.
-    #[arg(short, long, value_name = "DIR")]
+    #[arg(short, long = "out", value_name = "DIR")]
     output: PathBuf,
     /// What the sensor gets wrong.
     #[arg(long, value_enum, default_value_t = Noise::Kinect)]
@@ -62,7 +62,7 @@ struct Generate {
     #[arg(long)]
     json: bool,
     /// Says nothing on stderr but errors.
-    #[arg(long)]
+    #[arg(short, long)]
     quiet: bool,
 }
 
