@@ -21,53 +21,51 @@ use crate::skeleton::{JointId, Side, Skeleton};
 pub fn project_bones(skeleton: &Skeleton, lengths: &[f64], positions: &mut [Point]) {
     assert_eq!(positions.len(), skeleton.len(), "one position per joint");
     assert_eq!(lengths.len(), skeleton.bones().len(), "one length per bone");
-    // Directions are those of the solution, so a child's shift never turns its own children.
+    // What each joint has moved: directions are taken from the solution, so that a joint's shift
+    // never turns the bones beyond it.
     let mut shifts = [Vector::zeros(); Skeleton::MAX_JOINTS];
-    let arms = Side::BOTH.map(|side| skeleton.arm(side));
+    let arms = Side::BOTH.map(|side| Arm::of(skeleton, lengths, side));
     for (bone, length) in skeleton.bones().zip(lengths) {
         let (parent, child) = (bone.parent, bone.child);
-        let solved = |joint: JointId| positions[joint.index()] - shifts[joint.index()];
-        let arm =
-            arms.into_iter().flatten().find(|[_, elbow, hand]| [elbow, hand].contains(&&child));
-        let lower = arm.and_then(|[_, elbow, hand]| length_between(skeleton, lengths, elbow, hand));
-        let places = match (arm, lower) {
-            // The upper arm's turn: elbow and hand together.
-            (Some([shoulder, elbow, hand]), Some(lower))
-                if [shoulder, elbow] == [parent, child] =>
-            {
-                let (root, pole) = (positions[shoulder.index()], solved(elbow) - solved(shoulder));
-                let arm = two_bone(root, positions[hand.index()], *length, lower, pole);
-                [Some((elbow, arm.middle)), Some((hand, arm.end))]
-            }
-            // The forearm has had its turn, if its upper arm is a bone too.
-            (Some([shoulder, elbow, hand]), Some(_))
-                if [elbow, hand] == [parent, child]
-                    && length_between(skeleton, lengths, shoulder, elbow).is_some() =>
-            {
-                [None, None]
-            }
-            _ => {
-                let along = direction_or(positions[child.index()] - solved(parent), -Vector::z());
-                [Some((child, positions[parent.index()] + along * *length)), None]
-            }
-        };
-        for (joint, place) in places.into_iter().flatten() {
-            shifts[joint.index()] = place - positions[joint.index()];
-            positions[joint.index()] = place;
+        let new_parent = positions[parent.index()];
+        let along = positions[child.index()] - (new_parent - shifts[parent.index()]);
+        if arms.iter().flatten().any(|arm| arm.hand == child) {
+            // Has had its turn with its elbow.
+        } else if let Some(arm) = arms.iter().flatten().find(|arm| arm.elbow == child) {
+            let hand = positions[arm.hand.index()];
+            let bent = two_bone(new_parent, hand, arm.upper, arm.lower, along);
+            shift(positions, &mut shifts, arm.elbow, bent.middle);
+            shift(positions, &mut shifts, arm.hand, bent.end);
+        } else {
+            let place = new_parent + direction_or(along, -Vector::z()) * *length;
+            shift(positions, &mut shifts, child, place);
         }
     }
 }
 
-/// The length of the bone between two joints, if there is one.
-fn length_between(
-    skeleton: &Skeleton,
-    lengths: &[f64],
-    parent: JointId,
-    child: JointId,
-) -> Option<f64> {
-    let mut bones = skeleton.bones().zip(lengths);
-    let found = bones.find(|(bone, _)| bone.parent == parent && bone.child == child);
-    found.map(|(_, length)| *length)
+fn shift(positions: &mut [Point], shifts: &mut [Vector], joint: JointId, place: Point) {
+    shifts[joint.index()] = place - positions[joint.index()];
+    positions[joint.index()] = place;
+}
+
+/// A shoulder's two bones `[m]`, where elbow and hand hang from it one behind the other.
+struct Arm {
+    elbow: JointId,
+    hand: JointId,
+    upper: f64,
+    lower: f64,
+}
+
+impl Arm {
+    fn of(skeleton: &Skeleton, lengths: &[f64], side: Side) -> Option<Self> {
+        let [shoulder, elbow, hand] = skeleton.arm(side)?;
+        let length = |parent, child| {
+            let mut bones = skeleton.bones().zip(lengths);
+            let found = bones.find(|(bone, _)| bone.parent == parent && bone.child == child);
+            found.map(|(_, length)| *length)
+        };
+        Some(Self { elbow, hand, upper: length(shoulder, elbow)?, lower: length(elbow, hand)? })
+    }
 }
 
 #[cfg(test)]
@@ -96,9 +94,9 @@ mod tests {
                 let along = exact[bone.child.index()] - exact[bone.parent.index()];
                 prop_assert!((along.norm() - length).abs() < 1e-12);
             }
-            for [root, middle, end] in Side::BOTH.map(|side| skeleton.arm(side).unwrap()) {
-                let upper = length_between(&skeleton, &lengths, root, middle).unwrap();
-                let lower = length_between(&skeleton, &lengths, middle, end).unwrap();
+            for side in Side::BOTH {
+                let [root, _, end] = skeleton.arm(side).unwrap();
+                let Arm { upper, lower, .. } = Arm::of(&skeleton, &lengths, side).unwrap();
                 let away = (solved[end.index()] - exact[root.index()]).norm();
                 let reach = (away - (upper + lower)).max((upper - lower).abs() - away).max(0.0);
                 let off = (exact[end.index()] - solved[end.index()]).norm();
