@@ -188,13 +188,29 @@ fn bad_coordinates_are_named() {
     }
 }
 
-/// With `robust` itself: any doubles, here at scales that are no power of two.
+fn quadruples(n: u32) -> impl Iterator<Item = [u32; 4]> {
+    let pairs = move |from: u32| (from..n).flat_map(move |a| (a + 1..n).map(move |b| [a, b]));
+    pairs(0).flat_map(move |[a, b]| pairs(b + 1).map(move |[c, d]| [a, b, c, d]))
+}
+
+/// With `robust` itself: any doubles, here at scales that are no power of two. Points that are
+/// called flat must be so: no four of them span a volume.
 #[track_caller]
 fn check_rounded(points: &[Point]) {
-    let found = delaunay(points).expect("the points span a volume");
     let corner = |v: u32| {
         let p = points[v as usize];
         robust::Coord3D { x: p.x, y: p.y, z: p.z }
+    };
+    let found = match delaunay(points) {
+        Ok(found) => found,
+        Err(DelaunayError::Flat { .. }) => {
+            for [a, b, c, d] in quadruples(points.len() as u32) {
+                let [a, b, c, d] = [a, b, c, d].map(corner);
+                assert_eq!(robust::orient3d(a, b, c, d), 0.0);
+            }
+            return;
+        }
+        Err(other) => panic!("{other}"),
     };
     let mut used: BTreeSet<u32> = BTreeSet::new();
     for t in found.tetrahedra() {
@@ -216,10 +232,21 @@ fn lengths_far_from_a_metre_serve_as_well() {
                 let shifted = |c: &Cell| Point::from(c.map(|x| (x as f64 * 0.01 + shift) * scale));
                 cells.iter().map(shifted).collect()
             };
-            check_rounded(&points(&t_poses()));
-            check_rounded(&points(&grid(4)));
+            for points in [points(&t_poses()), points(&grid(4))] {
+                check_rounded(&points);
+                assert!(delaunay(&points).is_ok(), "the points span a volume");
+            }
         }
     }
+}
+
+/// Found by `any_doubles`: rounding left four nearly flat points exactly in one plane.
+#[test]
+fn four_points_rounded_into_a_plane_are_flat() {
+    let points = [[0.0, 0.0], [0.5, 0.0], [0.0, 0.25], [0.75, 0.5]];
+    let points: Vec<Point> = points.map(|[x, y]| Point::new(x, y, x + y)).to_vec();
+    assert!(matches!(delaunay(&points), Err(DelaunayError::Flat { points: 4, .. })));
+    check_rounded(&points);
 }
 
 proptest! {
