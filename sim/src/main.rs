@@ -51,10 +51,9 @@ struct Generate {
     /// Frames a second, 5 to 120.
     #[arg(long, value_name = "HZ", default_value_t = 30.0)]
     rate: f64,
-    /// Worker threads; 0 takes one for each core.
-    #[arg(long, value_name = "N", default_value_t = 0,
-          value_parser = clap::value_parser!(u16).range(0..=1024))]
-    jobs: u16,
+    /// Threads to work with, up to 1024 [default: one for each core].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
     /// Writes into DIR even if it is not empty; clips of an earlier set are removed from it.
     #[arg(long)]
     force: bool,
@@ -112,7 +111,9 @@ fn complain(text: &str, code: u8) -> ExitCode {
 
 fn run(arguments: &Generate, sensor: &Sensor) -> Result<()> {
     let folder = OutputFolder::prepare(&arguments.output, arguments.force)?;
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(arguments.jobs.into()).build()?;
+    // 0 lets rayon take one for each core.
+    let threads = arguments.jobs.map_or(0, usize::from);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
     let bar = progress_bar(arguments);
     let digits = (arguments.count - 1).to_string().len().max(3);
     // Collected in clip order, whichever thread is done first.

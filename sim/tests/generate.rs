@@ -146,12 +146,18 @@ fn folders_of_others_are_respected() {
 #[test]
 fn bad_arguments_are_usage_errors() {
     let folder = scratch("usage");
-    for arguments in
-        ["", "--count 0", "--count 1 --rate 1000", "--count 1 --noise lidar", "--count x"]
-    {
+    for arguments in [
+        "",
+        "--count 0",
+        "--count x",
+        "--count 1 --rate 1000",
+        "--count 1 --noise lidar",
+        "--count 1 --seed -1",
+        "--count 1 --jobs 0",
+        "--count 1 --jobs 1025",
+    ] {
         check(&folder, arguments, 2);
     }
-    check(&folder, "--count 1 --seed -1", 2);
     assert!(!folder.exists());
 }
 

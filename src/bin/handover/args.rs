@@ -1,6 +1,5 @@
 //! The command line as data; parsing touches no file.
 
-use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
@@ -23,9 +22,10 @@ pub(crate) struct Arguments {
 /// What every command takes.
 #[derive(Debug, Args)]
 pub(crate) struct Global {
-    /// Threads to work with [default: one for each core]
-    #[arg(long, global = true, value_name = "N")]
-    pub(crate) jobs: Option<NonZeroUsize>,
+    /// Threads to work with, up to 1024 [default: one for each core]
+    #[arg(long, global = true, value_name = "N",
+          value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(crate) jobs: Option<u16>,
     /// Parameter file in ROS 2 form [default: the values of config/handover.yaml]
     #[arg(long, global = true, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,

@@ -74,6 +74,6 @@ fn run(arguments: &Arguments, output: &Output) -> anyhow::Result<Outcome> {
 
 fn set_jobs(global: &Global) -> anyhow::Result<()> {
     let Some(jobs) = global.jobs else { return Ok(()) };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs.get());
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs.into());
     pool.build_global().with_context(|| format!("cannot start {jobs} threads"))
 }
