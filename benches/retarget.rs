@@ -18,6 +18,10 @@ use handover_mesh::retarget::{
 };
 use handover_mesh::{Point, Skeleton, Vector};
 
+#[path = "../tests/common/standing.rs"]
+mod standing;
+use standing::STANDING;
+
 const FRAMES: usize = 60;
 const JOINTS: usize = 30;
 const TRANSFORMS: [(&str, Transform); 3] = [
@@ -26,32 +30,13 @@ const TRANSFORMS: [(&str, Transform); 3] = [
     ("local_global", Transform::LocalGlobal),
 ];
 
-/// Joints of one upright person `[m]`, in NiTE's order.
-const REST: [[f64; 3]; 15] = [
-    [0.0, 0.0, 1.65],
-    [0.0, 0.0, 1.45],
-    [0.02, 0.0, 1.12],
-    [0.0, 0.18, 1.42],
-    [0.03, 0.22, 1.15],
-    [0.12, 0.22, 0.92],
-    [0.0, -0.18, 1.42],
-    [0.03, -0.22, 1.15],
-    [0.12, -0.22, 0.92],
-    [0.0, 0.1, 0.92],
-    [0.03, 0.11, 0.5],
-    [0.0, 0.12, 0.08],
-    [0.0, -0.1, 0.92],
-    [0.03, -0.11, 0.5],
-    [0.0, -0.12, 0.08],
-];
-
 /// Two people whose right hands meet in the middle of the motion.
 fn motion(distance: f64, scale: f64, reach: f64, lift: f64) -> Vec<Point> {
     let mut positions = Vec::with_capacity(FRAMES * JOINTS);
     for frame in 0..FRAMES {
         let part = (std::f64::consts::PI * frame as f64 / (FRAMES - 1) as f64).sin().powi(2);
         for (sign, scale, origin) in [(1.0, 1.0, 0.0), (-1.0, scale, distance)] {
-            for (joint, rest) in REST.iter().enumerate() {
+            for (joint, rest) in STANDING.iter().enumerate() {
                 let mut p = Vector::from(*rest) * scale;
                 let share = [0.4, 1.0][usize::from(joint == 8)];
                 if joint == 7 || joint == 8 {

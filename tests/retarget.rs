@@ -14,6 +14,10 @@ use handover_mesh::retarget::{
 use handover_mesh::{Isometry, Point, Role, Skeleton, Vector};
 use proptest::prelude::*;
 
+#[path = "common/standing.rs"]
+mod standing;
+use standing::STANDING;
+
 const TRANSFORMS: [Transform; 3] = [Transform::None, Transform::Implicit, Transform::LocalGlobal];
 const FRAMES: usize = 5;
 const JOINTS: usize = 30;
@@ -22,29 +26,12 @@ const KERNEL: Kernel =
 
 /// Two people facing each other, arms moving with the frame, every joint off by `noise` `[m]`.
 fn motion(noise: &[f64]) -> Vec<Point> {
-    const REST: [[f64; 3]; 15] = [
-        [0.0, 0.0, 1.65],
-        [0.0, 0.0, 1.45],
-        [0.02, 0.0, 1.12],
-        [0.0, 0.18, 1.42],
-        [0.03, 0.22, 1.15],
-        [0.12, 0.22, 0.92],
-        [0.0, -0.18, 1.42],
-        [0.03, -0.22, 1.15],
-        [0.12, -0.22, 0.92],
-        [0.0, 0.1, 0.92],
-        [0.03, 0.11, 0.5],
-        [0.0, 0.12, 0.08],
-        [0.0, -0.1, 0.92],
-        [0.03, -0.11, 0.5],
-        [0.0, -0.12, 0.08],
-    ];
     let mut noise = noise.iter().cycle();
     let mut positions = Vec::new();
     for frame in 0..FRAMES {
         let reach = (frame as f64 * 0.7).sin();
         for (sign, origin) in [(1.0, 0.0), (-1.0, 1.1)] {
-            for (joint, rest) in REST.iter().enumerate() {
+            for (joint, rest) in STANDING.iter().enumerate() {
                 let mut p = Vector::new(sign * rest[0] + origin, sign * rest[1], rest[2]);
                 if joint == 7 || joint == 8 {
                     p += reach * Vector::new(0.15 * sign, 0.05 * sign, 0.1) * (joint - 6) as f64;
