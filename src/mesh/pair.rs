@@ -72,6 +72,23 @@ impl Pair {
         (first..first + self.skeletons[role as usize].len() as u16).map(Vertex)
     }
 
+    /// A person's joint on the other side of the body; itself for the spine.
+    pub fn mirrored(&self, vertex: Vertex) -> Vertex {
+        let role = self.role(vertex);
+        let joint = vertex.index() - self.offset(role);
+        let joint = self.skeletons[role as usize].joints().nth(joint);
+        joint.map_or(vertex, |joint| {
+            self.vertex(role, self.skeletons[role as usize].mirrored_joint(joint))
+        })
+    }
+
+    /// `person/joint`, by the names of the people.
+    pub fn name(&self, vertex: Vertex, people: [&str; 2]) -> String {
+        let role = self.role(vertex);
+        let joint = vertex.index() - self.offset(role);
+        format!("{}/{}", people[role as usize], self.skeletons[role as usize].names()[joint])
+    }
+
     /// Whose joint a vertex is.
     pub fn role(&self, vertex: Vertex) -> Role {
         if vertex.index() < self.offset(Role::Second) { Role::First } else { Role::Second }

@@ -7,6 +7,7 @@
 
 mod aligned;
 mod attach;
+mod edges;
 mod linear;
 mod mesh;
 mod method;
@@ -15,5 +16,6 @@ mod ridge;
 mod settings;
 
 pub use aligned::{Aligned, Alignment};
+pub use edges::{EdgesError, LearnedEdge, LearnedEdges, phase};
 pub use method::{Method, PredictError, Predictor};
 pub use settings::{KnownJoints, PredictSettings};
