@@ -13,6 +13,7 @@ pub mod evaluate;
 pub mod formats;
 pub mod geometry;
 pub mod kinematics;
+pub mod learn;
 pub mod mesh;
 pub mod predict;
 pub mod retarget;

@@ -15,6 +15,7 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 
+use crate::learn::{LearnMethod, LearnSettings};
 use crate::mesh::Kernel;
 use crate::predict::{KnownJoints, PredictSettings};
 use crate::retarget::Transform;
@@ -35,6 +36,8 @@ pub struct Config {
     pub base_joint: String,
     /// How demonstrations become predictions.
     pub predict: PredictSettings,
+    /// How edges are learned.
+    pub learn: LearnSettings,
     /// Folds of an evaluation with more than twenty groups.
     pub folds: usize,
     /// Joints of the robot, by name, that no figure counts.
@@ -46,6 +49,7 @@ impl Default for Config {
         Self {
             base_joint: "torso".to_owned(),
             predict: PredictSettings::default(),
+            learn: LearnSettings::default(),
             folds: 10,
             ignored_joints: Vec::new(),
         }
@@ -139,7 +143,7 @@ impl Config {
     /// Every key there is, with its bounds: the one place that knows them.
     fn from_fields(fields: &mut Fields) -> Self {
         let mut config = Self::default();
-        let Self { base_joint, predict, folds, ignored_joints } = &mut config;
+        let Self { base_joint, predict, learn, folds, ignored_joints } = &mut config;
         fields.text("robot.base_joint", base_joint);
         fields.float("observation.smoothing", &mut predict.smoothing, 0.0, 1.0);
         fields.float("alignment.pause_penalty", &mut predict.warp.pause_penalty, 0.0, 10.0);
@@ -164,6 +168,15 @@ impl Config {
         fields.count("retarget.steps", &mut retarget.steps, 1, 10_000);
         fields.float("retarget.tolerance", &mut retarget.tolerance, 0.0, 1.0);
         fields.float("retarget.rotation_memory", &mut retarget.rotation_memory, 1e-9, 1.0);
+        let methods = LearnMethod::ALL.map(|method| (method.name(), method));
+        fields.choice("learn.method", &mut learn.method, &methods);
+        fields.count("learn.references", &mut learn.references, 1, 1000);
+        fields.float("learn.tolerance", &mut learn.tolerance, 0.0, 1.0);
+        fields.count("learn.steps", &mut learn.steps, 1, 10_000);
+        fields.float("learn.hand_weight", &mut learn.hand_weight, 1e-3, 1e3);
+        fields.count("learn.phases", &mut learn.phases, 1, 100);
+        fields.float("learn.sparsity", &mut learn.sparsity, 0.0, 1e3);
+        fields.float("learn.threshold", &mut learn.threshold, 0.0, 1.0);
         fields.float("baseline.ridge_penalty", &mut predict.ridge_penalty, 1e-9, 1e6);
         fields.count("baseline.promp_bases", &mut predict.promp_bases, 2, 200);
         fields.float("baseline.promp_noise", &mut predict.promp_noise, 1e-6, 1e3);

@@ -6,7 +6,9 @@ use rayon::prelude::*;
 
 use super::folds::folds;
 use super::report::{Clip, Evaluation};
+use super::trial::UnknownJoint;
 use super::{Figures, Trial, TrialError};
+use crate::learn::{LearnSettings, Lessons, Search};
 use crate::demonstration::Demonstration;
 use crate::predict::{Method, PredictSettings, Predictor};
 
@@ -21,6 +23,8 @@ pub struct EvaluateSettings {
     pub ignored_joints: Vec<String>,
     /// How predictions are made.
     pub predict: PredictSettings,
+    /// How the edges of `mesh` are learned, once per fold.
+    pub learn: LearnSettings,
 }
 
 /// Why there is no evaluation.
@@ -68,12 +72,16 @@ pub fn leave_one_out(
     let predictors: Vec<Predictor> = (0..count)
         .into_par_iter()
         .map(|fold| {
-            let others = clips.iter().zip(&folds).filter(|(_, f)| **f != fold);
-            let others = others.map(|(clip, _)| clip.clone()).collect();
-            Predictor::fit(others, settings.predict.clone()).map_err(|error| EvaluateError::Clip {
+            let others = clips.iter().zip(groups).zip(&folds).filter(|(_, f)| **f != fold);
+            let (others, groups): (Vec<_>, Vec<String>) =
+                others.map(|((clip, group), _)| (clip.clone(), group.clone())).unzip();
+            let failed = |error: TrialError| EvaluateError::Clip {
                 clip: format!("learning without fold {fold}"),
-                error: error.into(),
-            })
+                error,
+            };
+            let predictor = Predictor::fit(others, settings.predict.clone())
+                .map_err(|error| failed(error.into()))?;
+            learn(predictor, &groups, settings).map_err(failed)
         })
         .collect::<Result<_, _>>()?;
     let evaluated: Vec<(Clip, Vec<String>)> = clips
@@ -90,6 +98,26 @@ pub fn leave_one_out(
         .collect::<Result<_, _>>()?;
     let (clips, failures): (Vec<Clip>, Vec<Vec<String>>) = evaluated.into_iter().unzip();
     Ok(Evaluation::new("leave_one_out", &settings.methods, clips, failures.concat()))
+}
+
+/// A predictor with the edges that its demonstrations need.
+fn learn(
+    predictor: Predictor,
+    groups: &[String],
+    settings: &EvaluateSettings,
+) -> Result<Predictor, TrialError> {
+    if !settings.methods.contains(&Method::Mesh) {
+        return Ok(predictor);
+    }
+    let skeleton = predictor.demonstrations()[0].robot().skeleton();
+    let ignored = UnknownJoint::find(skeleton, &settings.ignored_joints)?;
+    let lessons = Lessons::of(&predictor, groups, &ignored, &settings.learn)?;
+    let mut search = Search::new(lessons, settings.learn.clone())?;
+    while let Some(step) = search.step(|| ())? {
+        if std::env::var("LAB").is_ok() { eprintln!("{:?}", (step.change, step.before, step.distance)); }
+    }
+    if std::env::var("LAB").is_ok() { eprintln!("{:?}", (search.initial(), search.lessons().distance(), search.lessons().held_out_distance())); }
+    Ok(predictor.with_edges(search.edges()?))
 }
 
 /// All methods on one clip, and which of them had nothing to say about it.

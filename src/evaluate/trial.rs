@@ -3,6 +3,7 @@
 use super::{Figures, Scene};
 use crate::demonstration::{Demonstration, Observation};
 use crate::geometry::Point;
+use crate::learn::LearnError;
 use crate::predict::{Alignment, Method, PredictError, Predictor};
 use crate::skeleton::{JointId, Skeleton};
 
@@ -39,6 +40,9 @@ pub enum TrialError {
     /// The method failed.
     #[error(transparent)]
     Predict(#[from] PredictError),
+    /// No edges could be learned.
+    #[error("learning: {0}")]
+    Learn(#[from] LearnError),
 }
 
 /// A recording, seen and aligned once for all methods.

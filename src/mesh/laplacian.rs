@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{EdgeWeights, MeshError, Topology};
+use super::{EdgeWeights, MeshError, Topology, Vertex};
 use crate::geometry::{Point, Vector, is_finite};
 
 /// One interaction over a topology: positions and weights, checked to fit and to be finite.
@@ -42,6 +42,63 @@ impl InteractionMesh {
     /// Who neighbours whom.
     pub fn topology(&self) -> &Arc<Topology> {
         &self.topology
+    }
+
+    /// How strongly.
+    pub fn weights(&self) -> &EdgeWeights {
+        &self.weights
+    }
+
+    /// Changes one edge's weights.
+    ///
+    /// - `edge`: its place in the topology's edges.
+    /// - `weights`: `[-]`, one per frame, finite, ≥ 0.
+    ///
+    /// # Errors
+    /// [`MeshError::Weight`] if one is not usable, or a vertex were left without any: the mesh is
+    /// then as it was. [`MeshError::Shape`] if there is not one per frame.
+    pub fn reweigh(&mut self, edge: usize, weights: &[f64]) -> Result<(), MeshError> {
+        let frames = self.frames();
+        if weights.len() != frames {
+            return Err(MeshError::Shape { got: weights.len(), frames, vertices: 1 });
+        }
+        self.set(edge, |frame| weights[frame])
+    }
+
+    /// Takes an edge's weight away in all frames.
+    ///
+    /// # Errors
+    /// [`MeshError::Weight`] if a vertex were left without any; the mesh is then as it was.
+    pub fn switch_off(&mut self, edge: usize) -> Result<(), MeshError> {
+        self.set(edge, |_| 0.0)
+    }
+
+    fn set(&mut self, edge: usize, weight: impl Fn(usize) -> f64) -> Result<(), MeshError> {
+        let ends = self.topology.edges()[edge].ends();
+        for frame in 0..self.frames() {
+            let now = self.weights.frame(frame);
+            let others = |vertex: usize| -> f64 {
+                let others = self.topology.neighbours(vertex).filter(|(_, other)| *other != edge);
+                self.weights.time() + others.map(|(_, other)| now[other]).sum::<f64>()
+            };
+            let new = weight(frame);
+            let usable = new.is_finite() && new >= 0.0;
+            let lonely = |end: &Vertex| new == 0.0 && others(end.index()) <= 0.0;
+            if let Some(end) = ends.iter().find(|end| !usable || lonely(end)) {
+                return Err(MeshError::Weight { frame, joint: end.index() });
+            }
+        }
+        for frame in 0..self.frames() {
+            self.weights.set(frame, edge, weight(frame));
+        }
+        Ok(())
+    }
+
+    /// Takes over one edge's weights from a mesh of the same topology and length.
+    pub(crate) fn copy_weights(&mut self, other: &Self, edge: usize) {
+        for frame in 0..self.frames() {
+            self.weights.set(frame, edge, other.weights.get(frame, edge));
+        }
     }
 
     /// `[m]`, `frames × vertices`.

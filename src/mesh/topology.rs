@@ -153,6 +153,11 @@ impl Topology {
         &self.edges
     }
 
+    /// An edge's place among [`Self::edges`], if it is there.
+    pub fn find(&self, edge: Edge) -> Option<usize> {
+        self.edges.binary_search(&edge).ok()
+    }
+
     /// The neighbours of a vertex with the edge to each, rising.
     pub fn neighbours(&self, vertex: usize) -> impl ExactSizeIterator<Item = (usize, usize)> + '_ {
         let row = self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize;

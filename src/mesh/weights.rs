@@ -65,6 +65,16 @@ impl EdgeWeights {
         Self { spatial: spatial.collect(), edges: topology.edges().len(), time }
     }
 
+    /// One edge's weight in one frame.
+    pub fn get(&self, frame: usize, edge: usize) -> f64 {
+        self.spatial[frame * self.edges + edge]
+    }
+
+    /// Changes one edge's weight in one frame; whoever makes a mesh of it checks it.
+    pub fn set(&mut self, frame: usize, edge: usize, weight: f64) {
+        self.spatial[frame * self.edges + edge] = weight;
+    }
+
     /// One frame's weights, one per edge.
     pub fn frame(&self, frame: usize) -> &[f64] {
         &self.spatial[frame * self.edges..(frame + 1) * self.edges]

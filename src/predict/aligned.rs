@@ -168,19 +168,26 @@ fn place(pose: &mut [Point], base: usize, here_from_there: &Isometry, base_place
     pose.iter_mut().for_each(|p| *p += shift);
 }
 
-/// Sorts by cost, lets the nearest vote on the hands, and weighs those that agree.
-pub(super) fn choose(mut all: Vec<Aligned>, settings: &PredictSettings) -> Option<Alignment> {
+/// Sorts by cost, lets the nearest vote on the hands unless they are known, and weighs those that
+/// agree; if none has those hands, all of them.
+pub(super) fn choose(
+    mut all: Vec<Aligned>,
+    hands: Option<Hands>,
+    settings: &PredictSettings,
+) -> Option<Alignment> {
     all.sort_by(|a, b| a.cost.total_cmp(&b.cost).then(a.demonstration.cmp(&b.demonstration)));
     let voters = &all[..all.len().min(settings.demonstrations)];
     let votes = |hands: Hands| -> f64 {
         voters.iter().filter(|a| a.hands == hands).map(|a| 1.0 / a.cost.max(1e-6)).sum()
     };
     // Of equal votes the nearest demonstration's wins.
-    let hands = voters
+    let voted = voters
         .iter()
         .map(|a| a.hands)
         .reduce(|best, next| if votes(next) > votes(best) { next } else { best })?;
-    let agreeing = all.iter().enumerate().filter(|(_, a)| a.hands == hands);
+    let hands = hands.unwrap_or(voted);
+    let known = all.iter().any(|a| a.hands == hands);
+    let agreeing = all.iter().enumerate().filter(|(_, a)| a.hands == hands || !known);
     let nearest: Vec<(usize, f64)> = agreeing
         .take(settings.demonstrations)
         .map(|(at, aligned)| (at, aligned.cost.max(1e-6).powi(-2)))

@@ -66,7 +66,7 @@ pub enum EdgesError {
 /// Interperson edges with weights, named for one pair of active hands.
 ///
 /// Where a person uses the other hand, that person's left and right joints change places in the
-/// edges: see [`Self::for_hands`].
+/// edges: see [`edge_for_hands`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct LearnedEdges {
     hands: Hands,
@@ -134,24 +134,27 @@ impl LearnedEdges {
         &self.edges
     }
 
-    /// The same edges where other hands are active: whoever uses the other hand has left and
-    /// right exchanged.
+    /// The same edges where other hands are active: see [`edge_for_hands`].
     pub fn for_hands(&self, pair: &Pair, robot: Role, hands: Hands) -> Self {
-        let swapped = |role: Role| {
-            let side = |hands: Hands| if role == robot { hands.robot } else { hands.partner };
-            side(self.hands) != side(hands)
-        };
-        let map = |vertex: Vertex| {
-            if swapped(pair.role(vertex)) { pair.mirrored(vertex) } else { vertex }
-        };
         let mut edges: Vec<LearnedEdge> = self.edges.clone();
         for learned in &mut edges {
-            let [a, b] = learned.edge.ends().map(map);
-            learned.edge = Edge::new(a, b);
+            learned.edge = edge_for_hands(learned.edge, pair, robot, self.hands, hands);
         }
         edges.sort_by_key(|learned| learned.edge);
         Self { hands, phases: self.phases, edges }
     }
+}
+
+/// An edge named for some active hands → the same edge where others are active: whoever uses the
+/// other hand has left and right exchanged.
+pub fn edge_for_hands(edge: Edge, pair: &Pair, robot: Role, from: Hands, to: Hands) -> Edge {
+    let [a, b] = edge.ends().map(|vertex| {
+        let side = |hands: Hands| {
+            if pair.role(vertex) == robot { hands.robot } else { hands.partner }
+        };
+        if side(from) == side(to) { vertex } else { pair.mirrored(vertex) }
+    });
+    Edge::new(a, b)
 }
 
 /// Which of `phases` parts of the interaction a frame belongs to.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::aligned::{Alignment, align, choose, features};
-use super::{PredictSettings, attach, mesh, promp, ridge};
+use super::{LearnedEdges, PredictSettings, Problem, attach, promp, ridge};
 use crate::demonstration::{Demonstration, Hands, Observation};
 use crate::geometry::{Point, Vector};
 use crate::mesh::MeshError;
@@ -91,6 +91,7 @@ pub struct Predictor {
     demonstrations: Vec<Arc<Demonstration>>,
     features: Vec<Vec<Vec<f64>>>,
     ridge: ridge::Ridge,
+    edges: LearnedEdges,
     settings: PredictSettings,
 }
 
@@ -120,7 +121,23 @@ impl Predictor {
         });
         let features = features.collect();
         let ridge = ridge::Ridge::fit(&demonstrations, settings.ridge_penalty);
-        Ok(Self { demonstrations, features, ridge, settings })
+        let edges = LearnedEdges::none(demonstrations[0].contact().hands);
+        Ok(Self { demonstrations, features, ridge, edges, settings })
+    }
+
+    /// The same with edges between the people for [`Method::Mesh`], which has none otherwise.
+    pub fn with_edges(self, edges: LearnedEdges) -> Self {
+        Self { edges, ..self }
+    }
+
+    /// The demonstrations, smoothed, in the order given.
+    pub fn demonstrations(&self) -> &[Arc<Demonstration>] {
+        &self.demonstrations
+    }
+
+    /// How predictions are made.
+    pub fn settings(&self) -> &PredictSettings {
+        &self.settings
     }
 
     /// What the methods may know of an interaction, smoothed as the demonstrations are.
@@ -137,6 +154,22 @@ impl Predictor {
     /// # Errors
     /// [`PredictError::Skeleton`], [`PredictError::Role`] if the observation has other people.
     pub fn align(&self, observation: &Observation) -> Result<Alignment, PredictError> {
+        self.align_to(observation, None, |_| true)
+    }
+
+    /// Lays some of the demonstrations on an observation's time and place.
+    ///
+    /// - `hands`: the hands that meet, where they are known; else the demonstrations vote.
+    /// - `allowed`: which demonstrations take part, by their place in [`Self::demonstrations`].
+    ///
+    /// # Errors
+    /// As [`Self::align`]; [`PredictError::NoDemonstrations`] if none is left.
+    pub fn align_to(
+        &self,
+        observation: &Observation,
+        hands: Option<Hands>,
+        allowed: impl Fn(usize) -> bool,
+    ) -> Result<Alignment, PredictError> {
         check_same(&self.demonstrations[0], observation)?;
         let observed = features(
             &observation.partner,
@@ -145,11 +178,12 @@ impl Predictor {
             self.settings.distance_weight,
         );
         let all = self.demonstrations.iter().zip(&self.features).enumerate();
+        let all = all.filter(|(index, _)| allowed(*index));
         let all = all.filter_map(|(index, (demonstration, demonstrated))| {
             let warp = self.settings.warp;
             align(observation, &observed, index, demonstration, demonstrated, warp)
         });
-        choose(all.collect(), &self.settings).ok_or(PredictError::NoDemonstrations)
+        choose(all.collect(), hands, &self.settings).ok_or(PredictError::NoDemonstrations)
     }
 
     /// The mean gap `[m]` of the demonstrations in which these hands met (in all, where none
@@ -160,6 +194,11 @@ impl Predictor {
             contacts().filter(|c| c.hands == hands).map(|c| c.gap).collect();
         let gaps = if agreeing.is_empty() { contacts().map(|c| c.gap).collect() } else { agreeing };
         gaps.iter().sum::<Vector>() / gaps.len() as f64
+    }
+
+    /// What [`Method::Mesh`] solves.
+    pub fn problem(&self, observation: &Observation, alignment: &Alignment) -> Problem {
+        Problem::new(observation, alignment, Some(alignment.contact_gap()), &self.settings)
     }
 
     /// The robot's joints by one method: `[m]`, `frames × joints`.
@@ -182,9 +221,14 @@ impl Predictor {
                 let gap = self.mean_gap(alignment.hands);
                 attach::predict(observation, alignment, gap, self.settings.attach_fade)
             }
-            Method::None => mesh::predict(observation, alignment, None, &self.settings)?,
+            Method::None => {
+                let problem = Problem::new(observation, alignment, None, &self.settings);
+                let no_edges = LearnedEdges::none(alignment.hands);
+                problem.solve(&no_edges, observation, &self.settings)?
+            }
             Method::Mesh => {
-                mesh::predict(observation, alignment, Some(alignment.hands), &self.settings)?
+                let problem = self.problem(observation, alignment);
+                problem.solve(&self.edges, observation, &self.settings)?
             }
         })
     }

@@ -9,13 +9,14 @@ mod aligned;
 mod attach;
 mod edges;
 mod linear;
-mod mesh;
 mod method;
+mod problem;
 mod promp;
 mod ridge;
 mod settings;
 
 pub use aligned::{Aligned, Alignment};
-pub use edges::{EdgesError, LearnedEdge, LearnedEdges, phase};
+pub use edges::{EdgesError, LearnedEdge, LearnedEdges, edge_for_hands, phase};
 pub use method::{Method, PredictError, Predictor};
+pub use problem::Problem;
 pub use settings::{KnownJoints, PredictSettings};

@@ -52,6 +52,15 @@ impl BandMatrix {
         self.size
     }
 
+    /// Takes over the values of a matrix of the same shape.
+    ///
+    /// # Panics
+    /// If it has another shape: the caller's bug.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.values.copy_from_slice(&other.values);
+        self.inverse_diagonal.copy_from_slice(&other.inverse_diagonal);
+    }
+
     /// Sets every entry to zero, ready for [`Self::add`].
     pub fn clear(&mut self) {
         self.values.fill(0.0);

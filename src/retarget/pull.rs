@@ -18,45 +18,49 @@ impl Retargeter {
         }
     }
 
-    /// `Lᵀ (δ − L_K v_K)`.
-    pub(super) fn pull_of_scalar_rows(
+    /// Adds a row's `w_l Lᵢᵀ (δᵢ − Lᵢ_K v_K)` to the right-hand side.
+    pub(super) fn pull_of_scalar_row(
         &self,
         mesh: &InteractionMesh,
         targets: &[Point],
+        vertex: usize,
+        w_l: f64,
         workspace: &mut Workspace,
     ) {
         let Workspace { coefficients, constant, .. } = workspace;
-        for vertex in 0..self.pattern.constraints.len() {
-            let mut open = Vector::zeros();
-            for (entry, column) in self.pattern.row(vertex) {
-                let place = match self.pattern.unknown(column) {
-                    Some(_) => mesh.positions()[column].coords,
-                    None => mesh.positions()[column] - targets[column],
-                };
-                open += coefficients[entry] * place;
-            }
-            for (entry, column) in self.pattern.row(vertex) {
-                if let Some(at) = self.pattern.unknown(column) {
-                    constant[at] += self.settings.laplacian_weight * coefficients[entry] * open;
-                }
+        let mut open = Vector::zeros();
+        for (entry, column) in self.pattern.row(vertex) {
+            let place = match self.pattern.unknown(column) {
+                Some(_) => mesh.positions()[column].coords,
+                None => mesh.positions()[column] - targets[column],
+            };
+            open += coefficients[entry] * place;
+        }
+        for (entry, column) in self.pattern.row(vertex) {
+            if let Some(at) = self.pattern.unknown(column) {
+                constant[at] += w_l * coefficients[entry] * open;
             }
         }
     }
 
-    /// `Lᵀ (0 − L_K v_K)` with the blocks of `L − T`.
-    pub(super) fn pull_of_block_rows(&self, targets: &[Point], workspace: &mut Workspace) {
+    /// Adds a row's `w_l Lᵢᵀ (0 − Lᵢ_K v_K)` with the blocks of `L − T`.
+    pub(super) fn pull_of_block_row(
+        &self,
+        targets: &[Point],
+        vertex: usize,
+        w_l: f64,
+        workspace: &mut Workspace,
+    ) {
         let Workspace { blocks, constant, .. } = workspace;
-        for vertex in 0..self.pattern.constraints.len() {
-            let mut open = Vector::zeros();
-            for (entry, column) in self.pattern.row(vertex) {
-                if self.pattern.unknown(column).is_none() {
-                    open -= blocks[entry] * targets[column].coords;
-                }
+        let mut open = Vector::zeros();
+        for (entry, column) in self.pattern.row(vertex) {
+            if self.pattern.unknown(column).is_none() {
+                open -= blocks[entry] * targets[column].coords;
             }
-            for (entry, column) in self.pattern.row(vertex) {
-                if let Some(at) = self.pattern.unknown(column) {
-                    constant[at] += self.settings.laplacian_weight * blocks[entry].tr_mul(&open);
-                }
+        }
+        for (entry, column) in self.pattern.row(vertex) {
+            if let Some(at) = self.pattern.unknown(column) {
+                constant[at] += w_l * blocks[entry].tr_mul(&open);
             }
         }
     }

@@ -82,6 +82,12 @@ impl Workspace {
     pub fn matrix(&self) -> &BandMatrix {
         &self.matrix
     }
+
+    /// Takes over another workspace's normal equations, not yet factored.
+    pub(super) fn copy_system(&mut self, other: &Self) {
+        self.matrix.copy_from(&other.matrix);
+        self.constant.copy_from_slice(&other.constant);
+    }
 }
 
 impl Retargeter {
@@ -158,27 +164,60 @@ impl Retargeter {
         workspace: &mut Workspace,
     ) -> Result<(), RetargetError> {
         self.check_mesh(mesh)?;
-        let (pattern, settings) = (&self.pattern, &self.settings);
-        self.fill_coefficients(mesh, &mut workspace.coefficients);
+        self.assemble_rows(mesh, workspace);
+        Ok(())
+    }
+
+    pub(super) fn assemble_rows(&self, mesh: &InteractionMesh, workspace: &mut Workspace) {
         let Workspace { coefficients, blocks, matrix, .. } = workspace;
         matrix.clear();
-        let axes = match settings.transform {
-            Transform::None => {
-                pattern.add_scalar_rows(matrix, coefficients, settings.laplacian_weight);
-                1
-            }
+        for vertex in 0..self.pattern.constraints.len() {
+            self.fill_row(mesh, vertex, coefficients, blocks);
+            self.add_row(vertex, self.settings.laplacian_weight, coefficients, blocks, matrix);
+        }
+        let (known, bones) = (self.settings.known_weight, self.settings.bone_weight);
+        self.pattern.add_constraints(matrix, self.axes(), known, bones);
+    }
+
+    /// One vertex' share of the normal matrix, `w_l` times.
+    pub(super) fn add_row(
+        &self,
+        vertex: usize,
+        w_l: f64,
+        coefficients: &[f64],
+        blocks: &[Matrix3<f64>],
+        matrix: &mut BandMatrix,
+    ) {
+        let pattern = &self.pattern;
+        match self.settings.transform {
+            Transform::None => pattern.add_scalar_row(matrix, coefficients, vertex, w_l),
             Transform::Implicit => {
-                self.fill_blocks(mesh, coefficients, blocks);
-                pattern.add_block_rows(matrix, blocks, settings.laplacian_weight);
-                3
+                pattern.add_block_row(matrix, (coefficients, blocks), vertex, w_l);
             }
-            Transform::LocalGlobal => {
-                pattern.add_edges(matrix, coefficients, settings.laplacian_weight);
-                1
-            }
-        };
-        pattern.add_constraints(matrix, axes, settings.known_weight, settings.bone_weight);
-        Ok(())
+            Transform::LocalGlobal => pattern.add_edge_row(matrix, coefficients, vertex, w_l),
+        }
+    }
+
+    /// One vertex' share of the right-hand side that stays over the steps, `w_l` times.
+    pub(super) fn pull_of_row(
+        &self,
+        mesh: &InteractionMesh,
+        targets: &[Point],
+        vertex: usize,
+        w_l: f64,
+        workspace: &mut Workspace,
+    ) {
+        match self.settings.transform {
+            Transform::None => self.pull_of_scalar_row(mesh, targets, vertex, w_l, workspace),
+            Transform::Implicit => self.pull_of_block_row(targets, vertex, w_l, workspace),
+            // Its pull turns with every step.
+            Transform::LocalGlobal => {}
+        }
+    }
+
+    /// How many coordinates of a vertex the system couples.
+    pub(super) fn axes(&self) -> usize {
+        if self.settings.transform == Transform::Implicit { 3 } else { 1 }
     }
 
     /// Factors the assembled system; it serves any number of [`Self::solve`] calls.
@@ -187,8 +226,7 @@ impl Retargeter {
     /// [`RetargetError::Unanchored`] names a joint that nothing known determines.
     pub fn factor(&self, workspace: &mut Workspace) -> Result<(), RetargetError> {
         workspace.matrix.factor().map_err(|undetermined| {
-            let axes = if self.settings.transform == Transform::Implicit { 3 } else { 1 };
-            let vertex = self.pattern.vertex_of(undetermined.row / axes);
+            let vertex = self.pattern.vertex_of(undetermined.row / self.axes());
             let (frame, joint) = self.place(vertex);
             RetargetError::Unanchored { frame, joint }
         })
@@ -212,19 +250,41 @@ impl Retargeter {
     ) -> Result<Residual, RetargetError> {
         self.check_mesh(mesh)?;
         self.check_inputs(targets, lengths, out.len())?;
+        self.load(mesh, targets, workspace);
+        Ok(self.iterate(targets, lengths, workspace, out))
+    }
+
+    /// What stays over the steps: where the reference stands, and the constant pull.
+    pub(super) fn load(
+        &self,
+        mesh: &InteractionMesh,
+        targets: &[Point],
+        workspace: &mut Workspace,
+    ) {
         self.place_reference(mesh, targets, &mut workspace.reference);
+        workspace.constant.fill(Vector::zeros());
+        self.pull_of_targets(targets, &mut workspace.constant);
+        for vertex in 0..self.pattern.constraints.len() {
+            self.pull_of_row(mesh, targets, vertex, self.settings.laplacian_weight, workspace);
+        }
+    }
+
+    /// The steps, from the reference.
+    pub(super) fn iterate(
+        &self,
+        targets: &[Point],
+        lengths: &[f64],
+        workspace: &mut Workspace,
+        out: &mut [Point],
+    ) -> Residual {
         out.copy_from_slice(&workspace.reference);
         for (vertex, constraint) in self.pattern.constraints.iter().enumerate() {
             if *constraint == Constraint::Fixed {
                 out[vertex] = targets[vertex];
             }
         }
-        workspace.constant.fill(Vector::zeros());
-        self.pull_of_targets(targets, &mut workspace.constant);
-        match self.settings.transform {
-            Transform::None => self.pull_of_scalar_rows(mesh, targets, workspace),
-            Transform::Implicit => self.pull_of_block_rows(targets, workspace),
-            Transform::LocalGlobal => self.reset_rotations(workspace),
+        if self.settings.transform == Transform::LocalGlobal {
+            self.reset_rotations(workspace);
         }
         let mut residual = Residual { steps: 0, last_step: f64::INFINITY, bones: 0.0 };
         while residual.steps < self.settings.steps && residual.last_step > self.settings.tolerance {
@@ -232,7 +292,7 @@ impl Retargeter {
             residual.steps += 1;
         }
         residual.bones = self.bone_error(lengths, out);
-        Ok(residual)
+        residual
     }
 
     /// One linear solve with the bones (and rotations) of the last iterate; how far it moved.
@@ -281,7 +341,7 @@ impl Retargeter {
         check_count("mesh positions", self.pattern.constraints.len(), mesh.positions().len())
     }
 
-    fn check_inputs(
+    pub(super) fn check_inputs(
         &self,
         targets: &[Point],
         lengths: &[f64],

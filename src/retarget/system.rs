@@ -168,60 +168,76 @@ impl Pattern {
         }
     }
 
-    /// Adds `w_l LᵀL` of the scalar Laplacian with these row coefficients.
-    pub(super) fn add_scalar_rows(&self, matrix: &mut BandMatrix, coefficients: &[f64], w_l: f64) {
-        for vertex in 0..self.constraints.len() {
-            for (a, row) in self.row(vertex) {
-                let Some(row) = self.unknown(row) else { continue };
-                let scaled = w_l * coefficients[a];
-                // Rising columns: everything up to `a` is in the lower half.
-                for (b, column) in self.row(vertex).take_while(|(b, _)| *b <= a) {
-                    if let Some(column) = self.unknown(column) {
-                        matrix.add(row, column, scaled * coefficients[b]);
-                    }
-                }
-            }
-        }
-    }
-
-    /// Adds `w_l LᵀL` where each coefficient is a 3×3 block.
-    pub(super) fn add_block_rows(
+    /// Adds `w_l LᵢᵀLᵢ` of one vertex' row of the scalar Laplacian with these coefficients;
+    /// a negative `w_l` takes it away.
+    pub(super) fn add_scalar_row(
         &self,
         matrix: &mut BandMatrix,
-        blocks: &[Matrix3<f64>],
+        coefficients: &[f64],
+        vertex: usize,
         w_l: f64,
     ) {
-        for vertex in 0..self.constraints.len() {
-            for (a, row) in self.row(vertex) {
-                let Some(row) = self.unknown(row) else { continue };
-                let left = blocks[a].transpose() * w_l;
-                for (b, column) in self.row(vertex).take_while(|(b, _)| *b <= a) {
-                    let Some(column) = self.unknown(column) else { continue };
-                    let product = left * blocks[b];
-                    for i in 0..3 {
-                        let last = if row == column { i + 1 } else { 3 };
-                        for j in 0..last {
-                            matrix.add(3 * row + i, 3 * column + j, product[(i, j)]);
-                        }
+        for (a, row) in self.row(vertex) {
+            let Some(row) = self.unknown(row) else { continue };
+            let scaled = w_l * coefficients[a];
+            if scaled == 0.0 {
+                continue;
+            }
+            // Rising columns: everything up to `a` is in the lower half.
+            for (b, column) in self.row(vertex).take_while(|(b, _)| *b <= a) {
+                if let Some(column) = self.unknown(column) {
+                    matrix.add(row, column, scaled * coefficients[b]);
+                }
+            }
+        }
+    }
+
+    /// As [`Self::add_scalar_row`], where each coefficient `cᵢⱼ` has grown to a 3×3 block, which
+    /// is zero where the coefficient is.
+    pub(super) fn add_block_row(
+        &self,
+        matrix: &mut BandMatrix,
+        (coefficients, blocks): (&[f64], &[Matrix3<f64>]),
+        vertex: usize,
+        w_l: f64,
+    ) {
+        for (a, row) in self.row(vertex) {
+            let Some(row) = self.unknown(row).filter(|_| coefficients[a] != 0.0) else { continue };
+            let left = blocks[a].transpose() * w_l;
+            for (b, column) in self.row(vertex).take_while(|(b, _)| *b <= a) {
+                let column = self.unknown(column).filter(|_| coefficients[b] != 0.0);
+                let Some(column) = column else { continue };
+                let product = left * blocks[b];
+                for i in 0..3 {
+                    let last = if row == column { i + 1 } else { 3 };
+                    for j in 0..last {
+                        matrix.add(3 * row + i, 3 * column + j, product[(i, j)]);
                     }
                 }
             }
         }
     }
 
-    /// Adds `w_l Σᵢⱼ w̄ᵢⱼ (vᵢ − vⱼ)²`, the edge form; `coefficients` hold `−w̄ᵢⱼ`.
-    pub(super) fn add_edges(&self, matrix: &mut BandMatrix, coefficients: &[f64], w_l: f64) {
-        for vertex in 0..self.constraints.len() {
-            let own = self.unknown(vertex);
-            for (entry, column) in self.row(vertex).filter(|(_, column)| *column != vertex) {
-                let weight = -w_l * coefficients[entry];
-                let other = self.unknown(column);
-                for end in [own, other].into_iter().flatten() {
-                    matrix.add(end, end, weight);
-                }
-                if let (Some(a), Some(b)) = (own, other) {
-                    matrix.add(a.max(b), a.min(b), -weight);
-                }
+    /// Adds one vertex' `w_l Σⱼ w̄ᵢⱼ (vᵢ − vⱼ)²`, the edge form; `coefficients` hold `−w̄ᵢⱼ`.
+    pub(super) fn add_edge_row(
+        &self,
+        matrix: &mut BandMatrix,
+        coefficients: &[f64],
+        vertex: usize,
+        w_l: f64,
+    ) {
+        let own = self.unknown(vertex);
+        for (entry, column) in self.row(vertex).filter(|(_, column)| *column != vertex) {
+            let weight = -w_l * coefficients[entry];
+            if weight == 0.0 {
+                continue;
+            }
+            let other = self.unknown(column);
+            for end in [own, other].into_iter().flatten() {
+                matrix.add(end, end, weight);
+            }
+            if let (Some(a), Some(b)) = (own, other) {
+                matrix.add(a.max(b), a.min(b), -weight);
             }
         }
     }

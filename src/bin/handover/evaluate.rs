@@ -43,6 +43,7 @@ pub(crate) fn run(
         folds: arguments.folds.map_or(config.folds, |folds| folds as usize),
         ignored_joints: config.ignored_joints.clone(),
         predict: config.predict.clone(),
+        learn: config.learn.clone(),
     };
     let progress = Progress::new(output, "evaluating", demonstrations.len());
     let evaluation = match arguments.protocol {
