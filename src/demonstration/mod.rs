@@ -4,6 +4,7 @@
 //! where the robot's base is, the robot's own bones and first pose; the robot role's truth is not
 //! in it. A [`Demonstration`] is a recording with both roles, and where its hands met.
 
+mod changed;
 mod contact;
 mod observation;
 

@@ -1,16 +1,25 @@
 //! How well a method stands in for the human who really took the robot's role.
 //!
 //! The path of the data: demonstrations → [`folds`] (who may learn from whom) → predictions of
-//! every method on the same alignment → [`Figures`] per clip → [`Evaluation`] with summaries.
+//! every method on the same alignment → [`Figures`] per clip → [`Evaluation`] with summaries, or
+//! [`Displaced`], where the partner or the robot is not as it was recorded.
 
+mod condition;
+mod displaced;
 mod figures;
 mod folds;
 mod leave_one_out;
+mod predictors;
 mod report;
+mod scene;
 mod trial;
 
-pub use figures::{Figure, Figures, Scene};
+pub use condition::{Condition, Direction};
+pub use displaced::{ChangedClip, Displaced, displaced};
+pub use figures::{Figure, Figures};
 pub use folds::folds;
-pub use leave_one_out::{EvaluateError, EvaluateSettings, leave_one_out};
-pub use report::{Clip, Evaluation, Summaries};
-pub use trial::{Trial, TrialError, UnknownJoint};
+pub use leave_one_out::leave_one_out;
+pub use predictors::{EvaluateError, EvaluateSettings};
+pub use report::{Clip, Evaluation, MethodFigures, MethodSummaries, Summaries};
+pub use scene::{KnownScene, Scene};
+pub use trial::{ChangedTrial, Trial, TrialError, UnknownJoint};

@@ -1,10 +1,16 @@
 //! An evaluation as a value, and as the JSON object that scripts rely on.
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use super::{Figure, Figures};
-use crate::predict::Method;
+use crate::predict::{Method, PredictError};
 use crate::statistics::Summary;
+
+/// Figures per method, in the columns' order.
+pub type MethodFigures = Vec<(Method, Figures)>;
+
+/// Summaries per method, in the columns' order.
+pub type MethodSummaries = Vec<(Method, Summaries)>;
 
 /// One clip's figures by all methods.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,7 +20,7 @@ pub struct Clip {
     /// Its length in frames.
     pub frames: usize,
     /// The methods' figures, in the columns' order.
-    pub methods: Vec<(Method, Figures)>,
+    pub methods: MethodFigures,
     /// The same figures of what the human in the robot's role did, by the hands that really met:
     /// how much people scatter.
     pub human: Figures,
@@ -32,7 +38,7 @@ pub struct Evaluation {
     /// The clips, in their own order.
     pub clips: Vec<Clip>,
     /// Per method, in the columns' order.
-    pub summary: Vec<(Method, Summaries)>,
+    pub summary: MethodSummaries,
     /// Of the humans in the robot's role.
     pub human: Summaries,
     /// Clips and methods without a prediction, each with its reason; their figures are undefined.
@@ -47,10 +53,7 @@ impl Evaluation {
         clips: Vec<Clip>,
         failures: Vec<String>,
     ) -> Self {
-        let summary = methods.iter().enumerate().map(|(column, method)| {
-            (*method, summaries(clips.iter().map(|clip| &clip.methods[column].1)))
-        });
-        let summary = summary.collect();
+        let summary = summarise(methods, clips.iter().map(|clip| &clip.methods));
         let human = summaries(clips.iter().map(|clip| &clip.human));
         Self { protocol, clips, summary, human, failures }
     }
@@ -60,18 +63,43 @@ impl Evaluation {
     /// undefined figures are null.
     pub fn to_json(&self, role: &str) -> Value {
         let clips: Vec<Value> = self.clips.iter().map(clip_json).collect();
-        let methods = self.summary.iter();
-        let summary: Map<String, Value> = methods
-            .map(|(method, summaries)| (method.name().to_owned(), summaries_json(summaries)))
-            .collect();
         json!({
             "protocol": self.protocol,
             "role": role,
             "clips": clips,
-            "summary": summary,
-            "human": summaries_json(&self.human),
+            "summary": summaries_json(&self.summary),
+            "human": summary_json(&self.human),
         })
     }
+}
+
+/// The figures of every method on one clip, undefined where it fails, and who failed: `what` names
+/// the clip.
+pub(super) fn every_method(
+    what: &str,
+    methods: &[Method],
+    run: impl Fn(Method) -> Result<Figures, PredictError>,
+) -> (MethodFigures, Vec<String>) {
+    let mut failures = Vec::new();
+    let methods = methods.iter().map(|method| {
+        let figures = run(*method).unwrap_or_else(|error| {
+            failures.push(format!("{what}, {}: {error}", method.name()));
+            Figures::default()
+        });
+        (*method, figures)
+    });
+    (methods.collect(), failures)
+}
+
+/// Sums up clips, method by method.
+pub(super) fn summarise<'a>(
+    methods: &[Method],
+    clips: impl Iterator<Item = &'a MethodFigures> + Clone,
+) -> MethodSummaries {
+    let columns = methods.iter().enumerate();
+    columns
+        .map(|(column, method)| (*method, summaries(clips.clone().map(|clip| &clip[column].1))))
+        .collect()
 }
 
 fn summaries<'a>(clips: impl Iterator<Item = &'a Figures> + Clone) -> Summaries {
@@ -83,7 +111,13 @@ fn summaries<'a>(clips: impl Iterator<Item = &'a Figures> + Clone) -> Summaries 
     })
 }
 
-fn summaries_json(summaries: &Summaries) -> Value {
+/// `{METHOD:{FIGURE:{"mean","median","low","high","n"} or null}}`.
+pub(super) fn summaries_json(methods: &MethodSummaries) -> Value {
+    let methods = methods.iter();
+    Value::Object(methods.map(|(method, s)| (method.name().to_owned(), summary_json(s))).collect())
+}
+
+fn summary_json(summaries: &Summaries) -> Value {
     let figures = Figure::ALL.iter().zip(summaries).map(|(figure, summary)| {
         let value = summary.map_or(Value::Null, |s| {
             json!({ "mean": s.mean, "median": s.median, "low": s.low, "high": s.high, "n": s.n })
@@ -93,10 +127,14 @@ fn summaries_json(summaries: &Summaries) -> Value {
     Value::Object(figures.collect())
 }
 
+/// `{METHOD:{FIGURE: number or null}}`.
+pub(super) fn figures_json(methods: &MethodFigures) -> Value {
+    let methods = methods.iter();
+    Value::Object(methods.map(|(method, f)| (method.name().to_owned(), f.to_json())).collect())
+}
+
 fn clip_json(clip: &Clip) -> Value {
-    let methods =
-        clip.methods.iter().map(|(method, figures)| (method.name().to_owned(), figures.to_json()));
-    let methods: Map<String, Value> = methods.collect();
+    let methods = figures_json(&clip.methods);
     json!({ "name": clip.name, "frames": clip.frames, "methods": methods, "human": clip.human.to_json() })
 }
 

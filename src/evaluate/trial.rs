@@ -1,8 +1,8 @@
 //! One recording put to the methods: each sees the partner, the figures see the truth.
 
-use super::{Figures, Scene};
-use crate::demonstration::{Demonstration, Observation};
-use crate::geometry::Point;
+use super::{Condition, Figures, KnownScene, Scene};
+use crate::demonstration::{Demonstration, Hands, Observation};
+use crate::geometry::{Point, Vector};
 use crate::learn::LearnError;
 use crate::predict::{Alignment, Method, PredictError, Predictor};
 use crate::skeleton::{JointId, Skeleton};
@@ -37,6 +37,12 @@ pub enum TrialError {
     /// A joint to be ignored does not exist.
     #[error(transparent)]
     Joint(#[from] UnknownJoint),
+    /// The demonstrations' hands are not there.
+    #[error("the {:?} hand of the robot's role or the {:?} one of its partner is not there", hands.robot, hands.partner)]
+    NoHand {
+        /// The hands that would meet.
+        hands: Hands,
+    },
     /// The method failed.
     #[error(transparent)]
     Predict(#[from] PredictError),
@@ -45,13 +51,36 @@ pub enum TrialError {
     Learn(#[from] LearnError),
 }
 
-/// A recording, seen and aligned once for all methods.
+/// An observation, aligned once for all methods.
 #[derive(Debug, Clone)]
-pub struct Trial<'a> {
+struct Question<'a> {
     predictor: &'a Predictor,
     observation: Observation,
     alignment: Alignment,
-    scene: Option<Scene<'a>>,
+}
+
+impl<'a> Question<'a> {
+    fn new(predictor: &'a Predictor, observation: Observation) -> Result<Self, PredictError> {
+        let alignment = predictor.align(&observation)?;
+        Ok(Self { predictor, observation, alignment })
+    }
+
+    /// The hands that will meet, as the demonstrations have it, and their mean gap `[m]`.
+    fn meeting(&self) -> (Hands, Vector) {
+        let hands = self.alignment.hands;
+        (hands, self.predictor.mean_gap(hands))
+    }
+
+    fn answer(&self, method: Method) -> Result<Vec<Point>, PredictError> {
+        self.predictor.predict(method, &self.observation, &self.alignment)
+    }
+}
+
+/// A recording, seen and aligned once for all methods.
+#[derive(Debug, Clone)]
+pub struct Trial<'a> {
+    question: Question<'a>,
+    scene: KnownScene<'a>,
     truth: &'a Demonstration,
     ignored: Vec<JointId>,
 }
@@ -68,11 +97,11 @@ impl<'a> Trial<'a> {
         ignored: &[String],
     ) -> Result<Self, TrialError> {
         let ignored = UnknownJoint::find(truth.robot().skeleton(), ignored)?;
-        let observation = predictor.observe(truth);
-        let alignment = predictor.align(&observation)?;
-        let gap = predictor.mean_gap(alignment.hands);
-        let scene = Scene::new(truth, alignment.hands, gap, &ignored);
-        Ok(Self { predictor, observation, alignment, scene, truth, ignored })
+        let question = Question::new(predictor, predictor.observe(truth))?;
+        let (hands, gap) = question.meeting();
+        let scene = KnownScene::new(truth, hands, gap, &ignored);
+        let scene = scene.ok_or(TrialError::NoHand { hands })?;
+        Ok(Self { question, scene, truth, ignored })
     }
 
     /// The robot's joints by a method (`[m]`, `frames × joints`), and how far they are off.
@@ -80,7 +109,7 @@ impl<'a> Trial<'a> {
     /// # Errors
     /// [`PredictError`] of the method.
     pub fn run(&self, method: Method) -> Result<(Vec<Point>, Figures), PredictError> {
-        let predicted = self.predictor.predict(method, &self.observation, &self.alignment)?;
+        let predicted = self.question.answer(method)?;
         let figures = self.figures(&predicted);
         Ok((predicted, figures))
     }
@@ -90,17 +119,67 @@ impl<'a> Trial<'a> {
     /// # Panics
     /// If it has not one position per frame and joint.
     pub fn figures(&self, predicted: &[Point]) -> Figures {
-        self.scene.as_ref().map(|scene| scene.figures(predicted)).unwrap_or_default()
+        self.scene.figures(predicted)
     }
 
     /// The figures of what the human in the robot's role did, by the hands that really met: a
     /// wrong guess of the hands is no scatter of the human's.
     pub fn human(&self) -> Figures {
         let hands = self.truth.contact().hands;
-        let gap = self.predictor.mean_gap(hands);
+        let gap = self.question.predictor.mean_gap(hands);
         let did = self.truth.robot().frames().iter().flat_map(|f| f.positions.iter().copied());
-        Scene::new(self.truth, hands, gap, &self.ignored)
+        KnownScene::new(self.truth, hands, gap, &self.ignored)
             .map(|scene| scene.figures(&did.collect::<Vec<_>>()))
             .unwrap_or_default()
+    }
+
+    /// The same recording under a condition: aligned anew, its hands chosen anew.
+    ///
+    /// Directions are taken at the true contact of this trial's hands; the moment that figures are
+    /// measured at is the true contact of the condition's own.
+    ///
+    /// # Errors
+    /// [`TrialError`] if it cannot be aligned.
+    pub fn under(&self, condition: Condition) -> Result<ChangedTrial<'a>, TrialError> {
+        let recorded = self.scene.scene();
+        let displacement = condition.displacement(recorded.observation(), recorded.contact());
+        let change = |observation| condition.apply(observation, displacement);
+        // Smoothing a moved motion and moving a smoothed one are the same.
+        let observation = change(self.question.observation.clone());
+        let question = Question::new(self.question.predictor, observation)?;
+        let (hands, gap) = question.meeting();
+        let scene = Scene::new(self.truth, hands, gap).ok_or(TrialError::NoHand { hands })?;
+        Ok(ChangedTrial { question, scene: scene.changed(change), displacement })
+    }
+}
+
+/// A recording in which something is not as it was: nobody knows what a human would have done.
+#[derive(Debug, Clone)]
+pub struct ChangedTrial<'a> {
+    question: Question<'a>,
+    scene: Scene,
+    displacement: Vector,
+}
+
+impl ChangedTrial<'_> {
+    /// By what the partner is moved `[m]`, in the world.
+    pub fn displacement(&self) -> Vector {
+        self.displacement
+    }
+
+    /// What predictions are measured against.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The robot's joints by a method (`[m]`, `frames × joints`), and how far they are off; joint,
+    /// hand and contact error are undefined.
+    ///
+    /// # Errors
+    /// [`PredictError`] of the method.
+    pub fn run(&self, method: Method) -> Result<(Vec<Point>, Figures), PredictError> {
+        let predicted = self.question.answer(method)?;
+        let figures = self.scene.figures(&predicted);
+        Ok((predicted, figures))
     }
 }

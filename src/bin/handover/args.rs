@@ -97,6 +97,10 @@ pub(crate) struct Replay {
 ///
 /// leave_one_out: each clip is predicted from the others; with more than twenty clips (or groups)
 /// they are dealt into folds.
+///
+/// displaced: the same with the partner moved up, left, right or nearer by 0.1 or 0.2 m, and apart
+/// from that with the robot 0.8 or 1.2 times as large. What a person would have done there is not
+/// known, so only the gap to the partner's hand, bones and jerk are measured.
 #[derive(Debug, Args)]
 pub(crate) struct Evaluate {
     /// Recordings, or folders searched for recordings (.csv, .txt)
@@ -130,6 +134,9 @@ pub(crate) enum Protocol {
     /// Each clip predicted from the others
     #[value(name = "leave_one_out")]
     LeaveOneOut,
+    /// The same with the partner elsewhere, or the robot of another size
+    #[value(name = "displaced")]
+    Displaced,
 }
 
 /// Accepts the methods' names.

@@ -1,21 +1,18 @@
 //! `handover evaluate`: all methods against what people did, as a table or as JSON.
 
-use std::fmt::Write as _;
+use std::path::Path;
 
 use anyhow::{Context as _, bail};
 use handover_mesh::Config;
-use handover_mesh::evaluate::{EvaluateSettings, Evaluation, Figure, leave_one_out};
+use handover_mesh::evaluate::{Condition, EvaluateSettings, displaced, leave_one_out};
 use handover_mesh::predict::Method;
-use handover_mesh::statistics::Summary;
+use serde_json::Value;
 
 use crate::args::{Evaluate, Protocol};
 use crate::demonstrations::{self, Loaded};
 use crate::output::Output;
 use crate::progress::Progress;
-use crate::{Outcome, UsageError, files};
-
-/// The row of what people did themselves.
-const HUMAN: &str = "(human)";
+use crate::{Outcome, UsageError, files, tables};
 
 /// Loads, evaluates, prints.
 pub(crate) fn run(
@@ -45,81 +42,53 @@ pub(crate) fn run(
         predict: config.predict.clone(),
         learn: config.learn.clone(),
     };
-    let progress = Progress::new(output, "evaluating", demonstrations.len());
-    let evaluation = match arguments.protocol {
+    let progress = |steps| Progress::new(output, "evaluating", steps);
+    let (clips, out) = (demonstrations.len(), out.as_deref());
+    let whole = match arguments.protocol {
         Protocol::LeaveOneOut => {
-            leave_one_out(&demonstrations, &groups, &settings, || progress.step())
+            let progress = progress(clips);
+            let found = leave_one_out(&demonstrations, &groups, &settings, || progress.step());
+            drop(progress);
+            let found = found.context("cannot evaluate")?;
+            let text = || tables::evaluation(&found, &role);
+            say(output, out, &found.failures, text, &found.to_json(&role))?;
+            found.failures.is_empty()
+        }
+        Protocol::Displaced => {
+            let progress = progress(clips * Condition::ALL.len());
+            let found = displaced(&demonstrations, &groups, &settings, || progress.step());
+            drop(progress);
+            let found = found.context("cannot evaluate")?;
+            let text = || tables::displaced(&found, &role);
+            say(output, out, &found.failures, text, &found.to_json(&role))?;
+            found.failures.is_empty()
         }
     };
-    drop(progress);
-    let evaluation = evaluation.context("cannot evaluate")?;
-    for failure in &evaluation.failures {
+    Ok(if whole && left_out == 0 { Outcome::Done } else { Outcome::Loss })
+}
+
+/// Failures to stderr, the result to stdout and to a file.
+fn say(
+    output: &Output,
+    out: Option<&Path>,
+    failures: &[String],
+    text: impl FnOnce() -> String,
+    value: &Value,
+) -> anyhow::Result<()> {
+    for failure in failures {
         output.problem(&format!("not predicted: {failure}"));
     }
     // The table first: it is not lost where the file cannot be written.
-    output.result(|| table(&evaluation, &role), || evaluation.to_json(&role))?;
+    output.result(text, || value.clone())?;
     if let Some(out) = out {
-        files::write_text(&format!("{}\n", evaluation.to_json(&role)), out)?;
+        files::write_text(&format!("{value}\n"), out)?;
         output.note(&format!("wrote {}", out.display()));
     }
-    let whole = left_out == 0 && evaluation.failures.is_empty();
-    Ok(if whole { Outcome::Done } else { Outcome::Loss })
+    Ok(())
 }
 
 /// The methods asked for, each once, in the tables' order; all where none is named.
 fn methods(names: &[String]) -> Vec<Method> {
     let wanted = |method: &Method| names.is_empty() || names.iter().any(|n| n == method.name());
     Method::ALL.into_iter().filter(wanted).collect()
-}
-
-/// What a column is called, its unit below it.
-fn heading(figure: Figure) -> [&'static str; 2] {
-    match figure {
-        Figure::Joint => ["joint", "cm"],
-        Figure::Hand => ["hand", "cm"],
-        Figure::Contact => ["contact", "cm"],
-        Figure::Gap => ["gap", "cm"],
-        Figure::GapAtContact => ["at contact", "cm"],
-        Figure::Timing => ["timing", "ms"],
-        Figure::Bone => ["bone", "mm"],
-        Figure::Jerk => ["jerk", "m/s³"],
-    }
-}
-
-/// Mean and median per method and figure, and the interval of the mean contact error.
-fn table(evaluation: &Evaluation, role: &str) -> String {
-    let Evaluation { protocol, clips, .. } = evaluation;
-    let frames: usize = clips.iter().map(|clip| clip.frames).sum();
-    let mut text = format!(
-        "{protocol}: {} clips, {frames} frames, the robot is {role}\n\
-         mean / median over the clips, and the 95 % interval of the mean contact error\n\n",
-        clips.len()
-    );
-    for line in 0..2 {
-        let _ = write!(text, "{:8}", "");
-        for figure in Figure::ALL {
-            let _ = write!(text, "{:>15}", heading(figure)[line]);
-            if figure == Figure::Contact {
-                let _ = write!(text, "{:>14}", ["95 %", "cm"][line]);
-            }
-        }
-        text.push('\n');
-    }
-    let methods = evaluation.summary.iter().map(|(method, figures)| (method.name(), figures));
-    // What people did, by the same figures: how much they scatter themselves.
-    for (name, figures) in methods.chain([(HUMAN, &evaluation.human)]) {
-        let _ = write!(text, "{name:8}");
-        for (figure, summary) in Figure::ALL.into_iter().zip(figures) {
-            // How far people are from themselves says nothing.
-            let itself = matches!(figure, Figure::Joint | Figure::Hand | Figure::Contact);
-            let summary = summary.as_ref().filter(|_| !(itself && name == HUMAN));
-            let cell = |text: fn(&Summary) -> String| summary.map_or("-".into(), text);
-            let _ = write!(text, " {:>14}", cell(|s| format!("{:.1} / {:.1}", s.mean, s.median)));
-            if figure == Figure::Contact {
-                let _ = write!(text, "{:>14}", cell(|s| format!("{:.1} - {:.1}", s.low, s.high)));
-            }
-        }
-        text.push('\n');
-    }
-    text
 }

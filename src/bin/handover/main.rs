@@ -10,6 +10,7 @@ mod import;
 mod output;
 mod progress;
 mod replay;
+mod tables;
 
 use std::process::ExitCode;
 

@@ -1,0 +1,117 @@
+//! What is learnt for an evaluation, fold by fold, and each clip put to what never saw it.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::TrialError;
+use super::folds::folds;
+use super::trial::UnknownJoint;
+use crate::demonstration::Demonstration;
+use crate::learn::{LearnSettings, Lessons, Search};
+use crate::predict::{Method, PredictSettings, Predictor};
+
+/// What an evaluation may choose.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EvaluateSettings {
+    /// The columns.
+    pub methods: Vec<Method>,
+    /// How many folds, where there are more than twenty groups; ≥ 2.
+    pub folds: usize,
+    /// Joints of the robot, by name, that no figure counts.
+    pub ignored_joints: Vec<String>,
+    /// How predictions are made.
+    pub predict: PredictSettings,
+    /// How the edges of `mesh` are learned, once per fold.
+    pub learn: LearnSettings,
+}
+
+/// Why there is no evaluation.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum EvaluateError {
+    /// Nobody is left to learn from.
+    #[error("{groups} group(s) of clips; each learns from the others and needs two")]
+    TooFew {
+        /// How many groups there are.
+        groups: usize,
+    },
+    /// A clip could not be evaluated.
+    #[error("{clip}: {error}")]
+    Clip {
+        /// The clip.
+        clip: String,
+        /// Why.
+        error: TrialError,
+    },
+}
+
+/// One predictor per fold, learnt from the clips of all other folds.
+///
+/// - `folds`: each clip's, as [`folds`] deals them.
+fn predictors(
+    clips: &[Arc<Demonstration>],
+    groups: &[String],
+    folds: &[usize],
+    settings: &EvaluateSettings,
+) -> Result<Vec<Predictor>, EvaluateError> {
+    let count = folds.iter().max().map_or(0, |last| last + 1);
+    if count < 2 {
+        return Err(EvaluateError::TooFew { groups: count });
+    }
+    let predictors = (0..count).into_par_iter().map(|fold| {
+        let others = clips.iter().zip(groups).zip(folds).filter(|(_, f)| **f != fold);
+        let (others, groups): (Vec<_>, Vec<_>) =
+            others.map(|((clip, group), _)| (clip.clone(), group.clone())).unzip();
+        learn(others, &groups, settings).map_err(|error| EvaluateError::Clip {
+            clip: format!("learning without fold {fold}"),
+            error,
+        })
+    });
+    predictors.collect()
+}
+
+/// A predictor with the edges that its demonstrations need.
+fn learn(
+    demonstrations: Vec<Arc<Demonstration>>,
+    groups: &[String],
+    settings: &EvaluateSettings,
+) -> Result<Predictor, TrialError> {
+    let predictor = Predictor::fit(demonstrations, settings.predict.clone())?;
+    if !settings.methods.contains(&Method::Mesh) {
+        return Ok(predictor);
+    }
+    let skeleton = predictor.demonstrations()[0].robot().skeleton();
+    let ignored = UnknownJoint::find(skeleton, &settings.ignored_joints)?;
+    let lessons = Lessons::of(&predictor, groups, &ignored, &settings.learn)?;
+    let mut search = Search::new(lessons, settings.learn.clone())?;
+    while let Some(step) = search.step(|| ())? {
+        if std::env::var("LAB").is_ok() { eprintln!("{:?}", (step.change, step.before, step.distance)); }
+    }
+    if std::env::var("LAB").is_ok() { eprintln!("{:?}", (search.initial(), search.lessons().distance(), search.lessons().held_out_distance())); }
+    Ok(predictor.with_edges(search.edges()?))
+}
+
+/// What `evaluate` makes of each clip with a predictor that never saw the clip nor its group, in
+/// the clips' order, whatever the number of threads.
+///
+/// # Errors
+/// [`EvaluateError`] if there is one group only, or `evaluate` fails on a clip.
+/// # Panics
+/// If there is not one group per clip.
+pub(super) fn each_clip<T: Send>(
+    clips: &[Arc<Demonstration>],
+    groups: &[String],
+    settings: &EvaluateSettings,
+    evaluate: impl Fn(&Demonstration, &Predictor) -> Result<T, TrialError> + Sync,
+) -> Result<Vec<T>, EvaluateError> {
+    assert_eq!(clips.len(), groups.len(), "one group per clip");
+    let folds = folds(groups, settings.folds);
+    let predictors = predictors(clips, groups, &folds, settings)?;
+    let evaluated = clips.par_iter().zip(&folds).map(|(clip, fold)| {
+        evaluate(clip, &predictors[*fold]).map_err(|error| EvaluateError::Clip {
+            clip: clip.recording().name().to_owned(),
+            error,
+        })
+    });
+    evaluated.collect()
+}
