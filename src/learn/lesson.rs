@@ -24,8 +24,8 @@ pub struct Lesson {
     kernel: Vec<f64>,
     /// What really happened `[m]`: `frames × vertices`.
     truth: Vec<Point>,
-    /// ωᵢ `[-]`, one per vertex.
-    joint_weights: Vec<f64>,
+    /// ωᵢ `[-]`, `frames × vertices`.
+    weights: Vec<f64>,
     /// Of each frame, its phase.
     phases: Vec<usize>,
 }
@@ -72,7 +72,7 @@ impl Lesson {
             initial: here.iter().map(|edge| both.find(*edge).is_some()).collect(),
             kernel,
             truth: pair.positions(truth.recording()),
-            joint_weights: joint_weights(truth, pair, hands, ignored, settings),
+            weights: weights(truth, pair, hands, ignored, settings),
             phases: (0..frames).map(|frame| problem.phase(settings.phases, frame)).collect(),
         })
     }
@@ -146,14 +146,15 @@ impl Lesson {
 
     /// `Σᵢ ωᵢ ‖vᵢ − v'ᵢ‖` `[m]` of `frames × vertices` positions (Thai 2014, eq. 3.9).
     pub fn distance_of(&self, solved: &[Point]) -> f64 {
-        let weights = self.joint_weights.iter().cycle();
-        let pairs = solved.iter().zip(&self.truth).zip(weights);
-        pairs.filter(|(_, weight)| **weight > 0.0).map(|((a, b), weight)| weight * (a - b).norm()).sum()
+        let pairs = solved.iter().zip(&self.truth).zip(&self.weights);
+        let counted = pairs.filter(|(_, weight)| **weight > 0.0);
+        counted.map(|((a, b), weight)| weight * (a - b).norm()).sum()
     }
 }
 
-/// ω of every vertex: the robot's joints count, but for its base and those ignored.
-fn joint_weights(
+/// ω of every vertex in every frame: the robot's joints count, but for its base and those ignored;
+/// the active hand and the frames around contact count more.
+fn weights(
     truth: &Demonstration,
     pair: &Pair,
     hands: Hands,
@@ -161,13 +162,18 @@ fn joint_weights(
     settings: &LearnSettings,
 ) -> Vec<f64> {
     let role = truth.robot_role();
-    let mut weights = vec![0.0; pair.len()];
+    let mut joints = vec![0.0; pair.len()];
     let hand = pair.skeleton(role).part(Part::Hand(hands.robot));
     for joint in pair.skeleton(role).joints() {
         if joint != truth.robot_base() && !ignored.contains(&joint) {
-            weights[pair.vertex(role, joint).index()] =
+            joints[pair.vertex(role, joint).index()] =
                 if Some(joint) == hand { settings.hand_weight } else { 1.0 };
         }
     }
-    weights
+    let (observation, contact) = (truth.observation(), truth.contact().frame as f64);
+    let frames = (0..observation.len()).map(|frame| {
+        let near = observation.nearness(frame, contact, settings.contact_fade);
+        1.0 + settings.contact_weight * near
+    });
+    frames.flat_map(|frame| joints.iter().map(move |joint| frame * joint)).collect()
 }

@@ -61,21 +61,30 @@ impl Lessons {
         let hands = usual_hands(demonstrations).ok_or(LearnError::NoLessons)?;
         let pair = Arc::new(Pair::of(first.recording()));
         let candidates = candidates(&pair);
-        let lessons: Vec<Lesson> = chosen
+        let lessons: Vec<Vec<Lesson>> = chosen
             .into_par_iter()
             .map(|at| {
                 let truth = &demonstrations[at];
                 let observation = truth.observation();
-                let allowed = |other: usize| groups[other] != groups[at];
+                let others = |other: usize| groups[other] != groups[at];
                 let meeting = Some(truth.contact().hands);
-                let alignment = predictor.align_to(&observation, meeting, allowed)?;
-                let problem = predictor.problem(&observation, &alignment);
-                let named = (candidates.as_slice(), hands);
-                Lesson::new(truth, &problem, named, ignored, predictor.settings(), settings)
+                let lesson = |allowed: &dyn Fn(usize) -> bool| {
+                    let alignment = predictor.align_to(&observation, meeting, allowed)?;
+                    let problem = predictor.problem(&observation, &alignment);
+                    let named = (candidates.as_slice(), hands);
+                    Lesson::new(truth, &problem, named, ignored, predictor.settings(), settings)
+                };
+                let far = farthest(demonstrations, at, &others);
+                Ok(match settings.far {
+                    0 => vec![lesson(&others)?],
+                    1 => vec![lesson(&others)?, lesson(&|other| Some(other) == far)?],
+                    _ => vec![lesson(&|other| Some(other) == far)?],
+                })
             })
             .collect::<Result<_, LearnError>>()?;
         let mut lessons = lessons;
         let held_out = lessons.split_off(lessons.len().min(settings.references));
+        let (lessons, held_out) = (lessons.into_iter().flatten().collect(), held_out.into_iter().flatten().collect());
         Self::new(pair, hands, lessons, held_out)
     }
 
@@ -209,6 +218,22 @@ fn contact_place(demonstration: &Demonstration) -> Vector {
     demonstration
         .observation()
         .gap_in_heading(contact.frame, partner.position(contact.frame, hand) - base)
+}
+
+/// Of the allowed demonstrations with the same hands (of all, where there are none) the one whose
+/// contact is farthest from this one's.
+fn farthest(
+    demonstrations: &[Arc<Demonstration>],
+    at: usize,
+    allowed: &dyn Fn(usize) -> bool,
+) -> Option<usize> {
+    let here = contact_place(&demonstrations[at]);
+    let score = |other: usize| {
+        let same = demonstrations[other].contact().hands == demonstrations[at].contact().hands;
+        (same, (contact_place(&demonstrations[other]) - here).norm())
+    };
+    let others = (0..demonstrations.len()).filter(|other| allowed(*other));
+    others.reduce(|best, next| if score(next) > score(best) { next } else { best })
 }
 
 /// At most `count` of `usable`, spread over where hands meet.

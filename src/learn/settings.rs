@@ -51,6 +51,12 @@ pub struct LearnSettings {
     pub steps: usize,
     /// ω of the active hand `[-]`, > 0; of the other joints it is 1.
     pub hand_weight: f64,
+    /// By how much more a frame at contact counts than one far from it `[-]`, ≥ 0.
+    pub contact_weight: f64,
+    /// How long before and after contact frames count more, fading `[s]`, > 0.
+    pub contact_fade: f64,
+    /// lab
+    pub far: usize,
     /// Phases that an edge has a factor for each (`gradient` only), ≥ 1.
     pub phases: usize,
     /// What a factor of 1 costs `[m]` (`gradient` only), ≥ 0: edges that bring less vanish.
@@ -67,6 +73,9 @@ impl Default for LearnSettings {
             tolerance: 1e-3,
             steps: 100,
             hand_weight: 1.0,
+            contact_weight: 0.0,
+            contact_fade: 0.5,
+            far: 0,
             phases: 1,
             sparsity: 0.01,
             threshold: 0.05,
