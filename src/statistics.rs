@@ -43,12 +43,22 @@ pub struct Summary {
 impl Summary {
     /// Sums up `values`; `None` of nothing. The resampling is seeded: equal in, equal out.
     pub fn of(values: &[f64]) -> Option<Self> {
-        let mut random = ChaCha8Rng::seed_from_u64(values.len() as u64);
+        Self::of_groups(&values.chunks(1).collect::<Vec<_>>())
+    }
+
+    /// Sums up values that come in groups, as several measurements of one thing do: the interval is
+    /// that of other groups being drawn, each with all its values. `None` of no values.
+    pub fn of_groups(groups: &[&[f64]]) -> Option<Self> {
+        let values = groups.concat();
+        let (mean, median) = (mean(&values)?, median(values.clone())?);
+        let groups = groups.iter().filter(|group| !group.is_empty());
+        let sums: Vec<(f64, usize)> = groups.map(|g| (g.iter().sum(), g.len())).collect();
+        let mut random = ChaCha8Rng::seed_from_u64(sums.len() as u64);
         let resampled = (0..RESAMPLES).map(|_| {
-            let draws = (0..values.len()).map(|_| values[random.random_range(0..values.len())]);
-            draws.sum::<f64>() / values.len() as f64
+            let draws = (0..sums.len()).map(|_| sums[random.random_range(0..sums.len())]);
+            let (sum, count) = draws.fold((0.0, 0), |(sum, count), (s, c)| (sum + s, count + c));
+            sum / count as f64
         });
-        let (mean, median) = (mean(values)?, median(values.to_vec())?);
         let means: Vec<f64> = resampled.collect();
         let low = quantile(means.clone(), 0.025)?;
         let high = quantile(means, 0.975)?;
@@ -76,5 +86,19 @@ mod tests {
         // Standard error 0.288: 1.96 of it either side.
         assert!((summary.high - summary.low - 2.0 * 1.96 * 0.288).abs() < 0.1, "{summary:?}");
         assert_eq!(Summary::of(&values), Some(summary));
+    }
+
+    #[test]
+    fn measuring_the_same_again_narrows_no_interval() {
+        let once: Vec<f64> = (0..40).map(|i| f64::from(i % 10)).collect();
+        let twice: Vec<[f64; 2]> = once.iter().map(|v| [*v, *v]).collect();
+        let groups: Vec<&[f64]> = twice.iter().map(|group| &group[..]).collect();
+        let (summary, grouped) =
+            (Summary::of(&once).unwrap(), Summary::of_groups(&groups).unwrap());
+        assert_eq!(grouped, Summary { n: 80, ..summary });
+        // Groups without values are as if they were not there.
+        let with_empty = [&groups[..], &[&[]]].concat();
+        assert_eq!(Summary::of_groups(&with_empty), Some(grouped));
+        assert_eq!(Summary::of_groups(&[&[], &[]]), None);
     }
 }

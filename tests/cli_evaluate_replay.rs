@@ -3,93 +3,24 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
+#[path = "common/clips.rs"]
+mod clips;
 mod common;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
-use std::sync::Arc;
 
+use clips::{FIGURES, FRAMES, METHODS, clips, keys};
 use common::{check, check_json, folder};
+use handover_mesh::Role;
 use handover_mesh::formats::{UpAxis, csv};
-use handover_mesh::geometry::yaw_isometry;
-use handover_mesh::kinematics::{minimum_jerk, two_bone};
-use handover_mesh::{Frame, Person, Point, Recording, Role, Sequence, Skeleton, Stamp, Vector};
 use serde_json::{Map, Value};
-use tempfile::TempDir;
 
-const FRAMES: i64 = 24;
-const METHODS: [&str; 8] = ["hold", "replay", "knn", "ridge", "promp", "attach", "none", "mesh"];
-const FIGURES: [&str; 8] = [
-    "joint_cm",
-    "hand_cm",
-    "contact_cm",
-    "gap_cm",
-    "gap_at_contact_cm",
-    "timing_ms",
-    "bone_mm",
-    "jerk_m_s3",
-];
 const EVALUATE: [&str; 4] = ["evaluate", "clips", "--protocol", "leave_one_out"];
-
-/// Nine joints of somebody who faces x and reaches for a point `[m]`, seen from their own feet.
-fn pose(reach: Point) -> Vec<Point> {
-    let spine = [1.7, 1.5, 1.2].map(|z| Point::new(0.0, 0.0, z));
-    let arm = |side: f64, target: Point| {
-        let shoulder = Point::new(0.0, 0.2 * side, 1.45);
-        let arm = two_bone(shoulder, target, 0.3, 0.35, Vector::new(0.0, side, -1.0));
-        [shoulder, arm.middle, arm.end]
-    };
-    let left = arm(1.0, Point::new(0.1, 0.25, 0.9));
-    spine.into_iter().chain(left).chain(arm(-1.0, reach)).collect()
-}
-
-/// A short handover; every `number` has its own place, reach and height.
-fn clip(number: u32) -> Recording {
-    let number = f64::from(number);
-    let names = ["head", "neck", "torso", "left_shoulder", "left_elbow", "left_hand"];
-    let names = names.into_iter().chain(["right_shoulder", "right_elbow", "right_hand"]);
-    let skeleton =
-        Arc::new(Skeleton::from_names(names.map(str::to_owned).collect::<Vec<_>>()).unwrap());
-    let rest = Point::new(0.15, -0.25, 0.95);
-    let reach = Point::new(0.42 + 0.02 * number, -0.05, 1.1 + 0.03 * number);
-    let person = |name: &str, turn: f64, place: f64| {
-        let world_from_person = yaw_isometry(turn, Vector::new(place, 0.05 * number, 0.0));
-        let frames = (0..FRAMES).map(|k| {
-            // Out in the first half, back in the second.
-            let part = 1.0 - (2.0 * k as f64 / (FRAMES - 1) as f64 - 1.0).abs();
-            let pose = pose(rest + (reach - rest) * minimum_jerk(1.2 * part));
-            let positions = pose.into_iter().map(|p| world_from_person * p).collect();
-            Frame { stamp: Stamp(k * 33_333_333), positions }
-        });
-        let motion = Sequence::new(skeleton.clone(), frames.collect()).unwrap();
-        Person { name: name.to_owned(), motion }
-    };
-    let people = [
-        person("giver", 0.0, -0.5 - 0.01 * number),
-        person("receiver", std::f64::consts::PI, 0.5 + 0.01 * number),
-    ];
-    let pair = if number < 2.0 { "first" } else { "second" };
-    let metadata = BTreeMap::from([("pair".to_owned(), pair.to_owned())]);
-    Recording::new(format!("clip_{number}"), people, None, metadata).unwrap()
-}
-
-/// `clips/0.csv` and so on.
-fn clips(count: u32) -> TempDir {
-    let folder = folder(&[("clips/.keep", "")]);
-    for number in 0..count {
-        let path = folder.path().join(format!("clips/{number}.csv"));
-        fs::write(path, csv::write(&clip(number)).unwrap()).unwrap();
-    }
-    folder
-}
 
 fn evaluate<'a>(more: &[&'a str]) -> Vec<&'a str> {
     EVALUATE.into_iter().chain(more.iter().copied()).collect()
-}
-
-fn keys(value: &Value) -> Vec<&str> {
-    value.as_object().unwrap().keys().map(String::as_str).collect()
 }
 
 #[test]
@@ -151,7 +82,12 @@ fn methods_pick_columns_and_the_role_may_be_chosen() {
 fn usage_errors_say_what_there_is() {
     let folder = clips(2);
     check(&folder, &evaluate(&["--methods", "magic"]), 2, &["magic", "hold, replay, knn"]);
-    check(&folder, &["evaluate", "clips", "--protocol", "guess"], 2, &["guess", "leave_one_out"]);
+    check(
+        &folder,
+        &["evaluate", "clips", "--protocol", "guess"],
+        2,
+        &["guess", "leave_one_out, displaced"],
+    );
     check(&folder, &["evaluate", "clips"], 2, &["--protocol"]);
     check(&folder, &evaluate(&["--folds", "1"]), 2, &["--folds", "2..=1000"]);
     check(&folder, &evaluate(&["--group", "mood"]), 2, &["no metadata 'mood' to group by"]);

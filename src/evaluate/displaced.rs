@@ -39,7 +39,8 @@ pub struct ChangedClip {
 
 /// All clips under all conditions, and their summaries.
 ///
-/// Summaries count a clip once per condition, as if the conditions were clips of their own.
+/// Means and medians count a clip once per condition; intervals are those of other clips, each with
+/// all its conditions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Displaced {
     /// Per clip, in their own order, and condition, in [`Condition::ALL`]'s.
@@ -77,8 +78,11 @@ pub fn displaced(
     })?;
     let (clips, failures): (Vec<_>, Vec<Vec<String>>) = evaluated.into_iter().flatten().unzip();
     let over = |wanted: &dyn Fn(Condition) -> bool| {
-        let clips = clips.iter().filter(|clip: &&ChangedClip| wanted(clip.condition));
-        summarise(&settings.methods, clips.map(|clip| &clip.methods))
+        let clips = clips.chunks(Condition::ALL.len()).map(|clip: &[ChangedClip]| {
+            let wanted = clip.iter().filter(|changed| wanted(changed.condition));
+            wanted.map(|changed| &changed.methods).collect()
+        });
+        summarise(&settings.methods, &clips.collect::<Vec<_>>())
     };
     let is_scaled = |condition| matches!(condition, Condition::Scaled(_));
     let summary = over(&|condition| !is_scaled(condition));

@@ -53,8 +53,9 @@ impl Evaluation {
         clips: Vec<Clip>,
         failures: Vec<String>,
     ) -> Self {
-        let summary = summarise(methods, clips.iter().map(|clip| &clip.methods));
-        let human = summaries(clips.iter().map(|clip| &clip.human));
+        let each: Vec<Vec<&MethodFigures>> = clips.iter().map(|clip| vec![&clip.methods]).collect();
+        let summary = summarise(methods, &each);
+        let human = summaries(&clips.iter().map(|clip| vec![clip.human]).collect::<Vec<_>>());
         Self { protocol, clips, summary, human, failures }
     }
 
@@ -92,22 +93,25 @@ pub(super) fn every_method(
 }
 
 /// Sums up clips, method by method.
-pub(super) fn summarise<'a>(
-    methods: &[Method],
-    clips: impl Iterator<Item = &'a MethodFigures> + Clone,
-) -> MethodSummaries {
-    let columns = methods.iter().enumerate();
-    columns
-        .map(|(column, method)| (*method, summaries(clips.clone().map(|clip| &clip[column].1))))
-        .collect()
+///
+/// - `clips`: per clip all its figures: one set, or one for each way it was put.
+pub(super) fn summarise(methods: &[Method], clips: &[Vec<&MethodFigures>]) -> MethodSummaries {
+    let columns = methods.iter().enumerate().map(|(column, method)| {
+        let figures = clips.iter().map(|clip| clip.iter().map(|all| all[column].1).collect());
+        (*method, summaries(&figures.collect::<Vec<_>>()))
+    });
+    columns.collect()
 }
 
-fn summaries<'a>(clips: impl Iterator<Item = &'a Figures> + Clone) -> Summaries {
+fn summaries(clips: &[Vec<Figures>]) -> Summaries {
     Figure::ALL.map(|figure| {
         // A hand that is early and one that is late do not make a punctual one.
         let size = |value: f64| if figure == Figure::Timing { value.abs() } else { value };
-        let values = clips.clone().filter_map(|figures| figures.get(figure));
-        Summary::of(&values.map(size).collect::<Vec<_>>())
+        let values = clips.iter().map(|clip| -> Vec<f64> {
+            clip.iter().filter_map(|figures| figures.get(figure)).map(size).collect()
+        });
+        let values: Vec<Vec<f64>> = values.collect();
+        Summary::of_groups(&values.iter().map(Vec::as_slice).collect::<Vec<_>>())
     })
 }
 

@@ -1,4 +1,5 @@
-//! One recording put to the methods: each sees the partner, the figures see the truth.
+//! One recording put to the methods: each sees the partner, the figures see the truth. The same
+//! recording under a [`Condition`] has no truth, and a type of its own.
 
 use super::{Condition, Figures, KnownScene, Scene};
 use crate::demonstration::{Demonstration, Hands, Observation};

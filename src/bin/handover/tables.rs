@@ -35,13 +35,14 @@ pub(crate) fn displaced(displaced: &Displaced, role: &str) -> String {
     let scaled = displaced.clips.iter().filter(|clip| is_scaled(&clip.condition));
     let reachable = scaled.filter(|clip| clip.reachable).count();
     format!(
-        "displaced: {clips} clips × {displacements} displacements, {frames} frames each, \
+        "displaced: {clips} clips ({frames} frames) × {displacements} displacements, \
          the robot is {role}\n\
          the partner moved up, left, right or nearer by 0.1 or 0.2 m; mean / median over clips and \
          displacements\n\n{}\n\
          mean gap of each condition, cm\n\n{}\n\
-         scaled: {clips} clips × {scales} sizes of the robot, {reachable} of these {} within reach\n\
-         the robot 0.8 or 1.2 times as large, the partner not moved\n\n{}",
+         scaled: {clips} clips × {scales} sizes of the robot, 0.8 and 1.2 times its own; \
+         {reachable} of these {} within reach\n\
+         the partner not moved; mean / median over those within reach\n\n{}",
         table(named(&displaced.summary)),
         by_condition(displaced),
         scales * clips,
