@@ -176,7 +176,6 @@ impl Config {
         fields.float("learn.hand_weight", &mut learn.hand_weight, 1e-3, 1e3);
         fields.float("learn.contact_weight", &mut learn.contact_weight, 0.0, 1e3);
         fields.float("learn.contact_fade", &mut learn.contact_fade, 0.001, 60.0);
-        fields.count("learn.far", &mut learn.far, 0, 3);
         fields.count("learn.phases", &mut learn.phases, 1, 100);
         fields.float("learn.sparsity", &mut learn.sparsity, 0.0, 1e3);
         fields.float("learn.threshold", &mut learn.threshold, 0.0, 1.0);

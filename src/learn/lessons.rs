@@ -32,8 +32,12 @@ impl Lessons {
     /// References out of a predictor's demonstrations: at most [`LearnSettings::references`] to
     /// learn from, as many again held out, if there are so many.
     ///
-    /// Each is retargeted from the demonstrations of other groups, as [`Predictor::problem`] will
-    /// be. The first reference is the one whose contact lies nearest the middle of all, the next
+    /// Each is retargeted from one demonstration of another group: the one with the same hands
+    /// whose contact is farthest from its own. From the mean of the nearest, which is what
+    /// [`Predictor::problem`] starts from, there would be little left for edges to bridge, and
+    /// what they are for is the place that nobody has shown.
+    ///
+    /// The first reference is the one whose contact lies nearest the middle of all, the next
     /// always the one whose contact is farthest from those chosen (ties go to the first by name):
     /// few references that cover where people hand over. The contact's place is the partner's
     /// hand from the robot's base, in the partner's heading frame.
@@ -61,30 +65,19 @@ impl Lessons {
         let hands = usual_hands(demonstrations).ok_or(LearnError::NoLessons)?;
         let pair = Arc::new(Pair::of(first.recording()));
         let candidates = candidates(&pair);
-        let lessons: Vec<Vec<Lesson>> = chosen
+        let lessons: Vec<Lesson> = chosen
             .into_par_iter()
             .map(|at| {
-                let truth = &demonstrations[at];
-                let observation = truth.observation();
                 let others = |other: usize| groups[other] != groups[at];
-                let meeting = Some(truth.contact().hands);
-                let lesson = |allowed: &dyn Fn(usize) -> bool| {
-                    let alignment = predictor.align_to(&observation, meeting, allowed)?;
-                    let problem = predictor.problem(&observation, &alignment);
-                    let named = (candidates.as_slice(), hands);
-                    Lesson::new(truth, &problem, named, ignored, predictor.settings(), settings)
-                };
-                let far = farthest(demonstrations, at, &others);
-                Ok(match settings.far {
-                    0 => vec![lesson(&others)?],
-                    1 => vec![lesson(&others)?, lesson(&|other| Some(other) == far)?],
-                    _ => vec![lesson(&|other| Some(other) == far)?],
-                })
+                let from = farthest(demonstrations, at, others).ok_or(LearnError::NoLessons)?;
+                let problem = predictor.practice(at, from, others)?;
+                let named = (candidates.as_slice(), hands);
+                let (truth, predict) = (&demonstrations[at], predictor.settings());
+                Lesson::new(truth, &problem, named, ignored, predict, settings)
             })
             .collect::<Result<_, LearnError>>()?;
         let mut lessons = lessons;
         let held_out = lessons.split_off(lessons.len().min(settings.references));
-        let (lessons, held_out) = (lessons.into_iter().flatten().collect(), held_out.into_iter().flatten().collect());
         Self::new(pair, hands, lessons, held_out)
     }
 
@@ -225,7 +218,7 @@ fn contact_place(demonstration: &Demonstration) -> Vector {
 fn farthest(
     demonstrations: &[Arc<Demonstration>],
     at: usize,
-    allowed: &dyn Fn(usize) -> bool,
+    allowed: impl Fn(usize) -> bool,
 ) -> Option<usize> {
     let here = contact_place(&demonstrations[at]);
     let score = |other: usize| {

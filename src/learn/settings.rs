@@ -55,8 +55,6 @@ pub struct LearnSettings {
     pub contact_weight: f64,
     /// How long before and after contact frames count more, fading `[s]`, > 0.
     pub contact_fade: f64,
-    /// lab
-    pub far: usize,
     /// Phases that an edge has a factor for each (`gradient` only), ≥ 1.
     pub phases: usize,
     /// What a factor of 1 costs `[m]` (`gradient` only), ≥ 0: edges that bring less vanish.
@@ -72,10 +70,9 @@ impl Default for LearnSettings {
             references: 6,
             tolerance: 1e-3,
             steps: 100,
-            hand_weight: 1.0,
-            contact_weight: 0.0,
+            hand_weight: 5.0,
+            contact_weight: 5.0,
             contact_fade: 0.5,
-            far: 0,
             phases: 1,
             sparsity: 0.01,
             threshold: 0.05,

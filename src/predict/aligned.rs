@@ -22,9 +22,6 @@ pub struct Aligned {
     pub hands: Hands,
     /// The observation's frame (fractional) at which they did.
     pub contact: f64,
-    /// The gap between them then: robot's hand minus partner's `[m]`, in the partner's heading
-    /// frame.
-    pub contact_gap: Vector,
     /// The partner's joints `[m]`, `frames × joints`, the base where the observed one is.
     pub partner: Vec<Point>,
     /// The robot role's joints `[m]`, `frames × joints`, the base where the robot's is.
@@ -61,12 +58,6 @@ impl Alignment {
     /// The reference's robot: `[m]`, `frames × joints`; its bones shrink where people differ.
     pub fn mean_robot(&self) -> Vec<Point> {
         self.mean(|aligned| &aligned.robot)
-    }
-
-    /// The reference's gap at contact: robot's hand minus partner's `[m]`, in the partner's heading
-    /// frame.
-    pub fn contact_gap(&self) -> Vector {
-        self.nearest.iter().map(|(at, weight)| *weight * self.all[*at].contact_gap).sum()
     }
 
     /// The observation's frame (fractional) at which the reference's hands meet.
@@ -155,7 +146,6 @@ pub(super) fn align(
         cost: warp.cost,
         hands: contact.hands,
         contact: sum / count,
-        contact_gap: contact.gap,
         partner: partner.concat(),
         robot: robot.concat(),
     })

@@ -189,16 +189,45 @@ impl Predictor {
     /// The mean gap `[m]` of the demonstrations in which these hands met (in all, where none
     /// agrees), in the partner's heading frame at their contact: the ḡ of the evaluation.
     pub fn mean_gap(&self, hands: Hands) -> Vector {
-        let contacts = || self.demonstrations.iter().map(|d| d.contact());
-        let agreeing: Vec<Vector> =
-            contacts().filter(|c| c.hands == hands).map(|c| c.gap).collect();
-        let gaps = if agreeing.is_empty() { contacts().map(|c| c.gap).collect() } else { agreeing };
-        gaps.iter().sum::<Vector>() / gaps.len() as f64
+        self.mean_gap_of(hands, |_| true)
     }
 
-    /// What [`Method::Mesh`] solves.
+    /// The mean gap of some of the demonstrations, by their places.
+    fn mean_gap_of(&self, hands: Hands, allowed: impl Fn(usize) -> bool) -> Vector {
+        let of = |agreeing: bool| -> Vec<Vector> {
+            let some = self.demonstrations.iter().enumerate().filter(|(at, _)| allowed(*at));
+            let contacts = some.map(|(_, demonstration)| demonstration.contact());
+            contacts.filter(|c| !agreeing || c.hands == hands).map(|c| c.gap).collect()
+        };
+        let agreeing = of(true);
+        let gaps = if agreeing.is_empty() { of(false) } else { agreeing };
+        gaps.iter().sum::<Vector>() / gaps.len().max(1) as f64
+    }
+
+    /// What [`Method::Mesh`] solves: the reference holds the mean gap at its contact.
     pub fn problem(&self, observation: &Observation, alignment: &Alignment) -> Problem {
-        Problem::new(observation, alignment, Some(alignment.contact_gap()), &self.settings)
+        let gap = self.mean_gap(alignment.hands);
+        Problem::new(observation, alignment, Some(gap), &self.settings)
+    }
+
+    /// One of the demonstrations, retargeted from one of the others as [`Self::problem`] is.
+    ///
+    /// - `at`, `from`: their places in [`Self::demonstrations`].
+    /// - `allowed`: which demonstrations may be known, by their places.
+    ///
+    /// # Errors
+    /// [`PredictError::NoDemonstrations`] if one cannot be laid on the other.
+    pub fn practice(
+        &self,
+        at: usize,
+        from: usize,
+        allowed: impl Fn(usize) -> bool,
+    ) -> Result<Problem, PredictError> {
+        let (observation, hands) =
+            (self.demonstrations[at].observation(), self.demonstrations[at].contact().hands);
+        let alignment = self.align_to(&observation, Some(hands), |other| other == from)?;
+        let gap = self.mean_gap_of(hands, allowed);
+        Ok(Problem::new(&observation, &alignment, Some(gap), &self.settings))
     }
 
     /// The robot's joints by one method: `[m]`, `frames × joints`.
