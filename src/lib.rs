@@ -14,6 +14,7 @@ pub mod formats;
 pub mod geometry;
 pub mod kinematics;
 pub mod mesh;
+pub mod model;
 pub mod predict;
 pub mod retarget;
 pub mod skeleton;

@@ -172,4 +172,3 @@ pub fn phase(phases: usize, frame: usize, contact: f64, frames: usize) -> usize 
     };
     ((share * phases as f64) as usize).min(phases.saturating_sub(1))
 }
-
