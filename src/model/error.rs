@@ -202,7 +202,7 @@ pub enum ModelError {
     },
     /// No room is that large.
     #[error(
-        "demonstration {demonstration}, frame {frame}, '{joint}' of '{person}': {metres} m is \
+        "demonstration {demonstration}, frame {frame}, '{joint}' of '{person}': {metres:?} m is \
          farther than {FARTHEST} m"
     )]
     TooFar {
@@ -271,7 +271,7 @@ pub enum ModelError {
     #[error(transparent)]
     Edges(#[from] EdgesError),
     /// A distance of learning that is none.
-    #[error("{which} is {value} m, must be finite and >= 0")]
+    #[error("{which} is {value:?} m, must be finite and >= 0")]
     Distance {
         /// Which one.
         which: &'static str,

@@ -149,6 +149,7 @@ impl Model {
         let pair = Pair::of(&first.recording);
         let people = first.recording.people().each_ref().map(|person| person.name.clone());
         error::check_name("program version", &program_version)?;
+        error::check_name("role", role)?;
         check_training(&training)?;
         for (role, name) in [Role::First, Role::Second].into_iter().zip(&people) {
             error::check_name("person", name)?;
@@ -200,7 +201,7 @@ impl Model {
     /// Reads the bytes of a `.safetensors` file that [`Self::to_bytes`] wrote, or Python.
     ///
     /// Bytes that are no model never panic, and never cost more memory than 64 bytes for each
-    /// byte of the header, twice the rest and a constant of 16 MiB: lengths are checked before
+    /// byte of the header, twice the rest and a constant of 8 MiB: lengths are checked before
     /// they are believed.
     ///
     /// # Errors

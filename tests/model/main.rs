@@ -3,6 +3,9 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
+mod cli;
+#[path = "../common/mod.rs"]
+mod common;
 mod files;
 mod hostile;
 mod memory;
@@ -133,7 +136,7 @@ fn parts_that_make_no_model_are_refused() {
     let mut with_capitals = parts();
     with_capitals.sources[0].sha256 = capitals;
     assert!(with_capitals.model().unwrap_err().to_string().starts_with(&expected));
-    let far = "demonstration 1, frame 0, 'head' of 'giver': 1500 m is farther than 1000 m";
+    let far = "demonstration 1, frame 0, 'head' of 'giver': 1500.0 m is farther than 1000 m";
     let move_far = |p: &mut Parts| {
         let mut people = p.sources[1].recording.people().clone();
         people[0].motion = motion(Skeleton::nite(), people[0].motion.len(), 1500.0);
@@ -147,11 +150,11 @@ fn learning_and_parameters_are_checked() {
     let set = |change: fn(&mut Training)| move |p: &mut Parts| change(&mut p.training);
     let text = "final_distance is NaN m, must be finite and >= 0";
     check_refused(set(|t| t.final_distance = f64::NAN), text);
-    let text = "held_out_distance is -1 m, must be finite and >= 0";
+    let text = "held_out_distance is -1.0 m, must be finite and >= 0";
     check_refused(set(|t| t.held_out_distance = Some(-1.0)), text);
-    let text = "the method's name 'a\\nb' must have 1 to 1024 bytes and no control characters";
+    let text = "method 'a\\nb' must have 1 to 1024 bytes and no control characters";
     check_refused(set(|t| t.method = "a\nb".into()), text);
-    let text = "the method's name '' must have 1 to 1024 bytes and no control characters";
+    let text = "method '' must have 1 to 1024 bytes and no control characters";
     check_refused(set(|t| t.method.clear()), text);
     let text = "parameters: mesh.time_weight is -1.0, must be a number from 0 to 1000\n\
         evaluate.folds is 0, must be a whole number from 2 to 1000";
