@@ -154,10 +154,7 @@ pub enum ModelError {
         more: usize,
     },
     /// A name that is none.
-    #[error(
-        "the {what}'s name '{name}' must have 1 to {} bytes and no control characters",
-        Model::MOST_NAME
-    )]
+    #[error("{what} '{name}' must have 1 to {} bytes and no control characters", Model::MOST_NAME)]
     Name {
         /// Whose name.
         what: &'static str,

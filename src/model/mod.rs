@@ -71,8 +71,8 @@ pub struct Training {
 /// use handover_mesh::predict::LearnedEdges;
 /// use handover_mesh::{Config, Side};
 /// let text = "frame,time_s,person,joint,x,y,z\n\
-///     0,0.0,giver,head,0,0,1.7\n0,0.0,giver,right_hand,0,0,1.2\n\
-///     0,0.0,receiver,head,1,0,1.7\n0,0.0,receiver,right_hand,1,0,1.2\n";
+///     0,0.0,giver,torso,0,0,1.2\n0,0.0,giver,right_hand,0,0,1.2\n\
+///     0,0.0,receiver,torso,1,0,1.2\n0,0.0,receiver,right_hand,1,0,1.2\n";
 /// let recording = Arc::new(formats::read(text.as_bytes(), "clip", UpAxis::Z)?);
 /// let edges = LearnedEdges::none(Hands { robot: Side::Right, partner: Side::Right });
 /// let training = Training {
