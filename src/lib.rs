@@ -15,6 +15,7 @@ pub mod geometry;
 pub mod kinematics;
 pub mod learn;
 pub mod mesh;
+pub mod model;
 pub mod predict;
 pub mod retarget;
 pub mod skeleton;

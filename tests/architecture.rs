@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// Who may import whom: a module, its layer, and the neighbours in its own layer it builds on.
 /// Whatever stands in a lower layer is allowed.
-const LAYERS: [(&str, u32, &[&str]); 14] = [
+const LAYERS: [(&str, u32, &[&str]); 15] = [
     ("geometry", 0, &[]),
     ("time", 0, &[]),
     ("statistics", 0, &[]),
@@ -23,8 +23,10 @@ const LAYERS: [(&str, u32, &[&str]); 14] = [
     ("demonstration", 2, &[]),
     ("predict", 3, &[]),
     // Above `predict`, but evaluation does not read parameters: that is for the shells.
-    ("config", 4, &[]),
-    ("evaluate", 4, &[]),
+    ("learn", 4, &[]),
+    ("config", 5, &[]),
+    ("evaluate", 5, &[]),
+    ("model", 6, &[]),
 ];
 
 /// What no layer of the library does: text, and why.

@@ -12,11 +12,18 @@ pub(super) struct Fields {
     violations: Vec<Violation>,
     changes: Vec<Change>,
     known: Vec<&'static str>,
+    before: Vec<(String, Value)>,
 }
 
 impl Fields {
     pub(super) fn new(values: BTreeMap<String, Value>, violations: Vec<Violation>) -> Self {
-        Self { values, violations, changes: Vec::new(), known: Vec::new() }
+        Self { values, violations, changes: Vec::new(), known: Vec::new(), before: Vec::new() }
+    }
+
+    /// What each target held before it was set, under its key: where no value is given, all that
+    /// the targets hold.
+    pub(super) fn before(self) -> Vec<(String, Value)> {
+        self.before
     }
 
     /// Every key that was asked for.
@@ -35,6 +42,7 @@ impl Fields {
         bound: impl FnOnce() -> String,
     ) {
         self.known.push(key);
+        self.before.push((key.to_owned(), show(target)));
         let Some(value) = self.values.remove(key) else { return };
         match parse(&value) {
             Some(parsed) if parsed == *target => {}

@@ -134,15 +134,57 @@ impl Config {
                 }),
             }
         }
+        Self::checked(values, violations)
+    }
+
+    /// Every key with its value, dotted, in the order of `config/handover.yaml`.
+    ///
+    /// [`Self::from_values`] makes the same settings of them, if these are within their bounds.
+    ///
+    /// ```
+    /// use handover_mesh::Config;
+    /// let config = Config { folds: 3, ..Config::default() };
+    /// assert!(config.values().contains(&("evaluate.folds".to_owned(), 3.into())));
+    /// assert_eq!(Config::from_values(config.values()), Ok(config));
+    /// ```
+    pub fn values(&self) -> Vec<(String, Value)> {
+        let mut fields = Fields::new(BTreeMap::new(), Vec::new());
+        Self::from_fields(&mut fields, self.clone());
+        fields.before()
+    }
+
+    /// Settings from dotted keys and values; a key left out keeps its default.
+    ///
+    /// # Errors
+    /// [`ConfigError::Violations`] with every unknown key, wrong type and value out of range.
+    pub fn from_values(
+        values: impl IntoIterator<Item = (String, Value)>,
+    ) -> Result<Self, ConfigError> {
+        Self::checked(values.into_iter().collect(), Vec::new()).map(|(config, _)| config)
+    }
+
+    /// What is not as by default, in the order of `config/handover.yaml`.
+    ///
+    /// # Errors
+    /// As [`Self::from_values`], if a setting is out of its bounds.
+    pub fn differences(&self) -> Result<Vec<Change>, ConfigError> {
+        Self::checked(self.values().into_iter().collect(), Vec::new()).map(|(_, changes)| changes)
+    }
+
+    fn checked(
+        values: BTreeMap<String, Value>,
+        violations: Vec<Violation>,
+    ) -> Result<(Self, Vec<Change>), ConfigError> {
         let mut fields = Fields::new(values, violations);
-        let config = Self::from_fields(&mut fields);
+        let config = Self::from_fields(&mut fields, Self::default());
         let changes = fields.finish().map_err(ConfigError::Violations)?;
         Ok((config, changes))
     }
 
     /// Every key there is, with its bounds: the one place that knows them.
-    fn from_fields(fields: &mut Fields) -> Self {
-        let mut config = Self::default();
+    ///
+    /// - `config`: what a key left out stays as.
+    fn from_fields(fields: &mut Fields, mut config: Self) -> Self {
         let Self { base_joint, predict, learn, folds, ignored_joints } = &mut config;
         fields.text("robot.base_joint", base_joint);
         fields.float("observation.smoothing", &mut predict.smoothing, 0.0, 1.0);
@@ -190,14 +232,18 @@ impl Config {
 }
 
 /// The kernel is a choice, and its numbers belong to one of the choices.
-fn kernel(fields: &mut Fields, default: Kernel) -> Kernel {
-    let (mut scale, mut power, mut reference, mut minimum) = match default {
+fn kernel(fields: &mut Fields, before: Kernel) -> Kernel {
+    let numbers = |kernel| match kernel {
         Kernel::InverseDistance { scale, power, reference, minimum } => {
-            (scale, power, reference, minimum)
+            Some((scale, power, reference, minimum))
         }
-        Kernel::Uniform => (3.0, 2.0, 0.1, 0.05),
+        Kernel::Uniform => None,
     };
-    let mut inverse_distance = default != Kernel::Uniform;
+    // Of a uniform kernel the numbers mean nothing, and so are as by default.
+    let (mut scale, mut power, mut reference, mut minimum) = numbers(before)
+        .or_else(|| numbers(PredictSettings::default().kernel))
+        .unwrap_or((3.0, 2.0, 0.1, 0.05));
+    let mut inverse_distance = before != Kernel::Uniform;
     let choices = [("uniform", false), ("inverse_distance", true)];
     fields.choice("mesh.kernel", &mut inverse_distance, &choices);
     fields.float("mesh.scale", &mut scale, 0.0, 1e6);
@@ -292,6 +338,34 @@ mod tests {
         assert_eq!((config.predict.retarget.steps, config.predict.kernel), (7, Kernel::Uniform));
     }
 
+    /// The first value that a key takes and that changes something.
+    fn off_default(key: &str, default: &Value) -> Config {
+        let numbers = default.as_f64().map(|n| [n / 2.0, n + 0.1]).into_iter().flatten();
+        let whole = default.as_u64().map(|n| n + 1).map(Value::from);
+        let words = ["uniform", "implicit", "soft", "neck", "grow", "none"].map(Value::from);
+        let others = [Value::from(true), Value::from(false), vec!["head"].into()];
+        let candidates = numbers
+            .map(Value::from)
+            .chain(whole)
+            .chain(words)
+            .chain(others)
+            .filter(|v| v != default);
+        let mut configs = candidates.filter_map(|v| Config::from_values([(key.into(), v)]).ok());
+        configs.find(|config| *config != Config::default()).unwrap_or_else(|| panic!("{key}"))
+    }
+
+    #[test]
+    fn what_is_written_reads_back_for_every_key() {
+        assert_eq!(Config::from_values(Config::default().values()), Ok(Config::default()));
+        for (key, default) in Config::default().values() {
+            let config = off_default(&key, &default);
+            assert_eq!(Config::from_values(config.values()), Ok(config.clone()), "{key}");
+            let differences = config.differences().unwrap();
+            assert_eq!((differences.len(), &differences[0].key), (1, &key));
+            assert_eq!(differences[0].default, default);
+        }
+    }
+
     #[test]
     fn changes_are_told_with_the_defaults() {
         let yaml = "/**:\n  ros__parameters:\n    mesh: {kernel: uniform, scale: 30, power: 2}\n";
@@ -317,7 +391,7 @@ mod tests {
         let mut values = BTreeMap::new();
         flatten("", parameters(&parse_yaml(yaml).unwrap()).unwrap(), &mut values);
         let mut fields = Fields::new(BTreeMap::new(), Vec::new());
-        Config::from_fields(&mut fields);
+        Config::from_fields(&mut fields, Config::default());
         let mut shipped: Vec<&str> = values.keys().map(String::as_str).collect();
         let mut known = fields.known().to_vec();
         shipped.sort_unstable();

@@ -84,10 +84,7 @@ fn learn(
     let ignored = UnknownJoint::find(skeleton, &settings.ignored_joints)?;
     let lessons = Lessons::of(&predictor, groups, &ignored, &settings.learn)?;
     let mut search = Search::new(lessons, settings.learn.clone())?;
-    while let Some(step) = search.step(|| ())? {
-        if std::env::var("LAB").is_ok() { eprintln!("{:?}", (step.change, step.before, step.distance)); }
-    }
-    if std::env::var("LAB").is_ok() { eprintln!("{:?}", (search.initial(), search.lessons().distance(), search.lessons().held_out_distance())); }
+    search.run()?;
     Ok(predictor.with_edges(search.edges()?))
 }
 

@@ -321,9 +321,13 @@ impl Violations {
 
 /// `text` short enough for a message, without control characters.
 pub(super) fn shortened(text: &str) -> String {
-    const LONGEST: usize = 40;
-    let mut short: String = text.chars().take(LONGEST).flat_map(char::escape_debug).collect();
-    if text.chars().nth(LONGEST).is_some() {
+    shortened_to(40, text)
+}
+
+/// At most `longest` characters of `text`, without control characters.
+pub(crate) fn shortened_to(longest: usize, text: &str) -> String {
+    let mut short: String = text.chars().take(longest).flat_map(char::escape_debug).collect();
+    if text.chars().nth(longest).is_some() {
         short.push('…');
     }
     short

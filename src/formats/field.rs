@@ -4,7 +4,7 @@ use super::error::{Reason, shortened};
 use crate::time::Stamp;
 
 /// Farther than any room, in metres; as millimetres it is one step away.
-const FARTHEST: f64 = 1e3;
+pub(crate) const FARTHEST: f64 = 1e3;
 const NANOSECONDS_PER_SECOND: i128 = 1_000_000_000;
 
 /// A frame's number. `name` is only asked for if there is something wrong.

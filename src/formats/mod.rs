@@ -16,7 +16,9 @@ pub mod sbu;
 mod up;
 
 pub use detect::{Format, detect};
+pub(crate) use error::shortened_to;
 pub use error::{ReadError, Reason, Violation};
+pub(crate) use field::FARTHEST;
 pub use rate::rate;
 pub use up::UpAxis;
 

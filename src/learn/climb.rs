@@ -62,7 +62,8 @@ impl Climb {
                 },
             )
             .collect::<Result<_, _>>()?;
-        let both = moves.iter().zip(distances).map(|((candidate, _), distance)| (*candidate, distance));
+        let both =
+            moves.iter().zip(distances).map(|((candidate, _), distance)| (*candidate, distance));
         Ok(both.reduce(|best, next| if next.1 < best.1 { next } else { best }))
     }
 

@@ -246,7 +246,8 @@ fn spread(demonstrations: &[Arc<Demonstration>], usable: &[usize], count: usize)
         };
         let scores: Vec<f64> = open.iter().map(|(_, place)| apart(place)).collect();
         // The first of equals.
-        let best = (1..open.len()).fold(0, |best, at| if scores[at] > scores[best] { at } else { best });
+        let best =
+            (1..open.len()).fold(0, |best, at| if scores[at] > scores[best] { at } else { best });
         chosen.push(open.remove(best));
     }
     chosen.into_iter().map(|(at, _)| at).collect()

@@ -95,6 +95,15 @@ impl Search {
         Ok(Some(Step { change, before, distance }))
     }
 
+    /// Takes all steps that are left.
+    ///
+    /// # Errors
+    /// As [`Self::step`].
+    pub fn run(&mut self) -> Result<(), LearnError> {
+        while self.step(|| ())?.is_some() {}
+        Ok(())
+    }
+
     /// Takes a step that was found before.
     ///
     /// # Errors
@@ -111,7 +120,10 @@ impl Search {
         if adds == self.climb.is_on(candidate) {
             return refuse("its edge is already so");
         }
-        if !self.climb.moves(self.settings.method).any(|(other, on)| (other, on) == (candidate, adds))
+        if !self
+            .climb
+            .moves(self.settings.method)
+            .any(|(other, on)| (other, on) == (candidate, adds))
         {
             return refuse("the method takes no such step");
         }

@@ -10,9 +10,7 @@ use super::aligned::Alignment;
 use super::{KnownJoints, LearnedEdges, PredictError, PredictSettings, phase};
 use crate::demonstration::{Hands, Observation};
 use crate::geometry::{Point, Vector};
-use crate::mesh::{
-    EdgeWeights, InitialEdges, InteractionMesh, Kernel, MeshError, Pair, Topology,
-};
+use crate::mesh::{EdgeWeights, InitialEdges, InteractionMesh, Kernel, MeshError, Pair, Topology};
 use crate::retarget::{Constraint, Retargeter, project_bones};
 use crate::skeleton::{Part, Role};
 

@@ -55,15 +55,14 @@ impl Retargeter {
                 (entry, positions[column] - positions[vertex], coefficients[entry].abs())
             })
         };
-        let (sum, weights) = row().fold((Vector::zeros(), 0.0), |(sum, weights), (_, p, w)| {
-            (sum + w * p, weights + w)
-        });
+        let (sum, weights) = row()
+            .fold((Vector::zeros(), 0.0), |(sum, weights), (_, p, w)| (sum + w * p, weights + w));
         let centroid = sum / weights;
         // Σ w̄ is 1 over the neighbours, so δ is minus the weighted sum from the centre.
         let similarity = Similarity::new(row().map(|(_, p, w)| (p - centroid, w)), -sum);
         for (entry, p, weight) in row() {
-            blocks[entry] = Matrix3::identity() * coefficients[entry]
-                - similarity.block(p - centroid, weight);
+            blocks[entry] =
+                Matrix3::identity() * coefficients[entry] - similarity.block(p - centroid, weight);
         }
     }
 }

@@ -152,10 +152,12 @@ fn setting(text: &str) -> Result<(String, String), String> {
 
 /// Say what files hold and what is wrong with them.
 ///
-/// Of a parameter file: what differs from the defaults, or all that is wrong.
+/// Of a parameter file: what differs from the defaults, or all that is wrong. Of a model: what it
+/// was learned from and how, its edges and its parameters.
 #[derive(Debug, Args)]
 pub(crate) struct Check {
-    /// Recordings, folders searched for recordings (.csv, .txt), or parameter files (.yaml, .yml)
+    /// Recordings, folders searched for recordings (.csv, .txt), parameter files (.yaml, .yml), or
+    /// models (.safetensors)
     #[arg(value_name = "FILE", required = true)]
     pub(crate) files: Vec<PathBuf>,
     #[command(flatten)]

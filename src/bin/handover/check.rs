@@ -1,5 +1,6 @@
 //! `handover check`: what files hold and what is wrong with them.
 
+mod model;
 mod parameters;
 
 use std::fmt::Write as _;
@@ -13,28 +14,43 @@ use crate::Outcome;
 use crate::args::Check;
 use crate::files::{self, Fault, Loaded, ReadFile};
 use crate::output::Output;
+use model::ModelFile;
 use parameters::ParameterFile;
 
-/// Reads all files and says what is in each: the recordings, then the parameters.
+/// Reads all files and says what is in each: the recordings, then the parameters, then the models.
 pub(crate) fn run(check: &Check, output: &Output) -> anyhow::Result<Outcome> {
-    let (parameters, recordings): (Vec<PathBuf>, Vec<PathBuf>) =
+    let (parameters, others): (Vec<PathBuf>, Vec<PathBuf>) =
         check.files.iter().cloned().partition(|path| parameters::is_named_so(path));
+    let (models, recordings): (Vec<PathBuf>, Vec<PathBuf>) =
+        others.into_iter().partition(|path| model::is_named_so(path));
     let files = match recordings.as_slice() {
         [] => Vec::new(),
         recordings => files::read_all(recordings, &check.selection, output)?,
     };
     let parameters: Vec<ParameterFile> =
         parameters.into_iter().map(ParameterFile::read).collect::<anyhow::Result<_>>()?;
+    let models: Vec<ModelFile> =
+        models.into_iter().map(ModelFile::read).collect::<anyhow::Result<_>>()?;
     output.result(
-        || files.iter().map(text).chain(parameters.iter().map(ParameterFile::text)).collect(),
         || {
-            let values = files.iter().map(value).chain(parameters.iter().map(ParameterFile::json));
-            json!({ "files": values.collect::<Vec<_>>() })
+            let parameters = parameters.iter().map(ParameterFile::text);
+            files
+                .iter()
+                .map(text)
+                .chain(parameters)
+                .chain(models.iter().map(ModelFile::text))
+                .collect()
+        },
+        || {
+            let parameters = parameters.iter().map(ParameterFile::json);
+            let values = files.iter().map(value).chain(parameters);
+            json!({ "files": values.chain(models.iter().map(ModelFile::json)).collect::<Vec<_>>() })
         },
     )?;
-    let all = files.len() + parameters.len();
+    let all = files.len() + parameters.len() + models.len();
     let bad = files.iter().filter(|file| file.outcome.is_err()).count()
-        + parameters.iter().filter(|file| file.outcome.is_err()).count();
+        + parameters.iter().filter(|file| file.outcome.is_err()).count()
+        + models.iter().filter(|file| file.outcome.is_err()).count();
     if bad > 0 {
         output.note(&format!("{bad} of {all} files are bad"));
     }
@@ -97,7 +113,7 @@ fn bad_value(path: &Path, faults: &[Fault]) -> Value {
 
 fn text(file: &ReadFile) -> String {
     let path = file.path.display();
-    let Loaded { recording, format } = match &file.outcome {
+    let Loaded { recording, format, .. } = match &file.outcome {
         Ok(loaded) => loaded,
         Err(faults) => return bad_text(&file.path, faults),
     };
@@ -135,7 +151,7 @@ fn text(file: &ReadFile) -> String {
 
 fn value(file: &ReadFile) -> Value {
     let path = file.path.display().to_string();
-    let Loaded { recording, format } = match &file.outcome {
+    let Loaded { recording, format, sha256 } = match &file.outcome {
         Ok(loaded) => loaded,
         Err(faults) => return bad_value(&file.path, faults),
     };
@@ -167,5 +183,6 @@ fn value(file: &ReadFile) -> Value {
         "object": object,
         "closest_hands": closest,
         "metadata": recording.metadata(),
+        "sha256": sha256,
     })
 }

@@ -12,7 +12,9 @@ use std::path::{Path, PathBuf};
 
 use handover_mesh::Recording;
 use handover_mesh::formats::{self, Format, ReadError, csv};
+use handover_mesh::model::Model;
 use rayon::prelude::*;
+use sha2::{Digest as _, Sha256};
 
 use crate::args::Selection;
 use crate::output::Output;
@@ -22,7 +24,7 @@ use search::Found;
 pub(crate) use search::about;
 pub(crate) use write::{check_out, write, write_text};
 
-/// No recording is as large; what claims to be must not fill the memory.
+/// No recording or model is as large; what claims to be must not fill the memory.
 const LARGEST: u64 = 1 << 29;
 
 /// A recording and where it comes from.
@@ -30,6 +32,8 @@ const LARGEST: u64 = 1 << 29;
 pub(crate) struct Loaded {
     pub(crate) recording: Recording,
     pub(crate) format: Format,
+    /// Of the file's bytes: 64 hexadecimal digits.
+    pub(crate) sha256: String,
 }
 
 /// What is wrong at one place of a file.
@@ -149,13 +153,29 @@ fn parse(bytes: &[u8], place: &Place, selection: &Selection) -> Result<Loaded, R
     let format = formats::detect(bytes)?;
     let recording = formats::read(bytes, &place.name(0), selection.up_axis())?;
     let recording = recording.with_metadata(place.metadata());
-    Ok(Loaded { recording, format })
+    Ok(Loaded { recording, format, sha256: sha256(bytes) })
+}
+
+/// What tells these bytes from any others: 64 hexadecimal digits.
+fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// A model file.
+///
+/// # Errors
+/// If it cannot be read, is larger than any, or holds no model: all that is wrong, one fault each.
+pub(crate) fn read_model(path: &Path) -> Result<Model, Vec<Fault>> {
+    Model::from_bytes(&bytes(path)?).map_err(|error| {
+        let lines = error.to_string();
+        lines.lines().map(|line| Fault::of_file(line.to_owned())).collect()
+    })
 }
 
 /// A file's text.
 ///
 /// # Errors
-/// If it cannot be read, is larger than any recording, or is not UTF-8.
+/// If it cannot be read, is larger than any file of ours, or is not UTF-8.
 pub(crate) fn text(path: &Path) -> Result<String, Vec<Fault>> {
     let not_text = |_| vec![Fault::of_file("not UTF-8".to_owned())];
     String::from_utf8(bytes(path)?).map_err(not_text)

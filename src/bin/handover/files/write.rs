@@ -1,4 +1,4 @@
-//! Recordings and texts → files that are whole or not there.
+//! Recordings, texts and bytes → files that are whole or not there.
 
 use std::fs;
 use std::io::Write as _;
@@ -44,12 +44,17 @@ pub(crate) fn write(recording: &Recording, target: &Path) -> anyhow::Result<()> 
     write_text(&csv::write(recording)?, target)
 }
 
-/// Writes beside the target and renames, so that no half-written file ever bears its name.
+/// Writes a text, whole or not at all.
 pub(crate) fn write_text(text: &str, target: &Path) -> anyhow::Result<()> {
+    write_bytes(text.as_bytes(), target)
+}
+
+/// Writes beside the target and renames, so that no half-written file ever bears its name.
+pub(crate) fn write_bytes(bytes: &[u8], target: &Path) -> anyhow::Result<()> {
     let name = target.file_name().context("no file name")?.to_string_lossy();
     let beside = target.with_file_name(format!(".{name}.{}.tmp", std::process::id()));
     let written = fs::File::create(&beside)
-        .and_then(|mut file| file.write_all(text.as_bytes()).and_then(|()| file.sync_all()))
+        .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
         .and_then(|()| fs::rename(&beside, target));
     if written.is_err() {
         // Perhaps it was never made; the first error is the one to tell.
