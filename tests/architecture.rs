@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// Who may import whom: a module, its layer, and the neighbours in its own layer it builds on.
 /// Whatever stands in a lower layer is allowed.
-const LAYERS: [(&str, u32, &[&str]); 15] = [
+const LAYERS: [(&str, u32, &[&str]); 16] = [
     ("geometry", 0, &[]),
     ("time", 0, &[]),
     ("statistics", 0, &[]),
@@ -22,8 +22,8 @@ const LAYERS: [(&str, u32, &[&str]); 15] = [
     ("retarget", 2, &["mesh"]),
     ("demonstration", 2, &[]),
     ("predict", 3, &[]),
-    // Above `predict`, but evaluation does not read parameters: that is for the shells.
     ("learn", 4, &[]),
+    // Evaluation does not read parameters: that is for the shells.
     ("config", 5, &[]),
     ("evaluate", 5, &[]),
     ("model", 6, &[]),
