@@ -16,6 +16,7 @@ mod energy;
 mod error;
 mod fill;
 mod implicit;
+mod neighbourhoods;
 mod pull;
 mod rotations;
 mod settings;
