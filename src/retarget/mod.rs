@@ -17,6 +17,7 @@ mod energy;
 mod error;
 mod fill;
 mod implicit;
+mod neighbourhoods;
 mod prepared;
 mod pull;
 mod rotations;
