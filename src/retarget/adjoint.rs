@@ -15,6 +15,9 @@ use crate::geometry::{Point, Vector};
 /// Newton steps at most; a handful is usual.
 const NEWTON_STEPS: usize = 60;
 
+/// A Newton step that moves no coordinate farther `[m]` is taken unasked.
+const SMALL_STEP: f64 = 1e-6;
+
 /// Conjugate-gradient steps at most.
 const CONJUGATE_STEPS: usize = 2000;
 
@@ -42,24 +45,28 @@ impl Prepared {
         let mut last = f64::INFINITY;
         for _ in 0..NEWTON_STEPS {
             let residual = self.residual(room.solved());
-            let newton = self.conjugate_gradients(&residual, room);
-            let size = |step: &[Vector]| step.iter().map(|s| s.amax()).fold(0.0, f64::max);
-            let before = self.norm(&residual, room);
-            let start = room.solved.clone();
-            self.advance(&newton, &mut room.solved);
-            last = size(&newton);
-            if last <= tolerance {
-                break;
+            let mut step = self.conjugate_gradients(&residual, room);
+            let size = |step: &[Vector]| step.iter().map(Vector::amax).fold(0.0, f64::max);
+            let (start, before) = (room.solved.clone(), self.energy(room.solved()));
+            self.advance(&step, &mut room.solved);
+            // A step this small is of the last few, where rounding hides how the energy falls.
+            while size(&step) > SMALL_STEP && self.energy(room.solved()) > before {
+                step.iter_mut().for_each(|s| *s *= 0.5);
+                room.solved.copy_from_slice(&start);
+                self.advance(&step, &mut room.solved);
             }
-            let after = self.residual(room.solved());
-            if self.norm(&after, room) > before {
-                // Too far: the fixed-point step never rises.
-                room.solved = start;
-                let plain = self.precondition(&residual, room);
-                self.advance(&plain, &mut room.solved);
+            let previous = std::mem::replace(&mut last, size(&step));
+            // Newton's steps shrink fast until rounding is all that is left of them.
+            if last <= tolerance || (last <= SMALL_STEP && last > 0.5 * previous) {
+                break;
             }
         }
         Ok(last)
+    }
+
+    fn energy(&self, positions: &[Point]) -> f64 {
+        let Self { retargeter, mesh, targets, lengths, workspace } = self;
+        retargeter.energy(mesh, targets, lengths, workspace, positions)
     }
 
     /// `∂d/∂w` of some edges in every frame, at the converged solution in `room`.
@@ -184,11 +191,6 @@ impl Prepared {
             factor.solve(&mut stacked);
             stacked.chunks_exact(3).map(|p| Vector::new(p[0][0], p[1][0], p[2][0])).collect()
         }
-    }
-
-    /// `xᵀ A⁻¹ x`.
-    fn norm(&self, x: &[Vector], room: &Variation) -> f64 {
-        dot(x, &self.precondition(x, room))
     }
 
     /// `(A − w_b J) x` at `positions`.
