@@ -2,7 +2,7 @@
 
 use crate::mesh::MeshError;
 use crate::predict::{EdgesError, PredictError};
-use crate::retarget::{RetargetError, VariationError};
+use crate::retarget::{NoDerivative, RetargetError, VariationError};
 
 /// Why nothing is learned.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -22,6 +22,9 @@ pub enum LearnError {
     /// A reference could not be solved.
     #[error(transparent)]
     Retarget(#[from] RetargetError),
+    /// The transform has no derivatives.
+    #[error("learn.method is gradient, and {0}")]
+    NoDerivative(#[from] NoDerivative),
     /// A step to redo does not fit: it is of another run.
     #[error("step {step} is not of this run: {reason}")]
     Step {

@@ -21,8 +21,12 @@ const SMALL_STEP: f64 = 1e-6;
 /// Conjugate-gradient steps at most.
 const CONJUGATE_STEPS: usize = 2000;
 
-/// A linear system is solved when its residual has fallen to this share `[-]`, in the norm of `A⁻¹`.
-const LINEAR_TOLERANCE: f64 = 1e-12;
+/// To which share `[-]` the residual falls, in the norm of `A⁻¹`, in the system of a Newton step:
+/// the next step makes good what is left.
+const NEWTON_TOLERANCE: f64 = 1e-4;
+
+/// As [`NEWTON_TOLERANCE`], in the adjoint system, whose solution is final.
+const ADJOINT_TOLERANCE: f64 = 1e-12;
 
 /// The rotations of `local_global` follow the solution in a way of which no derivative is made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -45,7 +49,7 @@ impl Prepared {
         let mut last = f64::INFINITY;
         for _ in 0..NEWTON_STEPS {
             let residual = self.residual(room.solved());
-            let mut step = self.conjugate_gradients(&residual, room);
+            let mut step = self.conjugate_gradients(&residual, NEWTON_TOLERANCE, room);
             let size = |step: &[Vector]| step.iter().map(Vector::amax).fold(0.0, f64::max);
             let (start, before) = (room.solved.clone(), self.energy(room.solved()));
             self.advance(&step, &mut room.solved);
@@ -88,7 +92,7 @@ impl Prepared {
             return Err(NoDerivative);
         }
         let unknown = self.unknowns(|vertex| slope[vertex]);
-        let adjoint = self.conjugate_gradients(&unknown, room);
+        let adjoint = self.conjugate_gradients(&unknown, ADJOINT_TOLERANCE, room);
         let vertices = self.targets.len();
         let pattern = &self.retargeter.pattern;
         let on_all = |x: &dyn Fn(usize) -> Vector| (0..vertices).map(x).collect::<Vec<Vector>>();
@@ -223,13 +227,18 @@ impl Prepared {
 
     /// `(A − w_b J)⁻¹ b` at the solution in `room`; where the curvature is negative (bones pressed
     /// together, far from a solution) the best direction found before.
-    fn conjugate_gradients(&self, b: &[Vector], room: &Variation) -> Vec<Vector> {
+    fn conjugate_gradients(
+        &self,
+        b: &[Vector],
+        tolerance: f64,
+        room: &Variation,
+    ) -> Vec<Vector> {
         let mut x = vec![Vector::zeros(); b.len()];
         let mut residual = b.to_vec();
         let mut preconditioned = self.precondition(&residual, room);
         let mut direction = preconditioned.clone();
         let mut size = dot(&residual, &preconditioned);
-        let goal = size * LINEAR_TOLERANCE * LINEAR_TOLERANCE;
+        let goal = size * tolerance * tolerance;
         for step in 0..CONJUGATE_STEPS {
             if size <= goal {
                 break;
