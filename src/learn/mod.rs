@@ -11,11 +11,13 @@ mod climb;
 mod error;
 mod lesson;
 mod lessons;
+mod record;
 mod search;
 mod settings;
 
 pub use error::LearnError;
 pub use lesson::Lesson;
 pub use lessons::{Lessons, Room};
-pub use search::{Move, Search, Step};
+pub use record::RecordError;
+pub use search::{Move, Search, Step, learn};
 pub use settings::{LearnMethod, LearnSettings};

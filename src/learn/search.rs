@@ -3,7 +3,8 @@
 use super::climb::Climb;
 use super::{LearnError, LearnMethod, LearnSettings, Lessons};
 use crate::mesh::Edge;
-use crate::predict::LearnedEdges;
+use crate::predict::{LearnedEdges, Predictor};
+use crate::skeleton::JointId;
 
 /// What a step does.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,6 +67,11 @@ impl Search {
         self.climb.moves(self.settings.method).count()
     }
 
+    /// How it searches.
+    pub fn settings(&self) -> &LearnSettings {
+        &self.settings
+    }
+
     /// The lessons, with the edges found so far.
     pub fn lessons(&self) -> &Lessons {
         &self.lessons
@@ -112,6 +118,9 @@ impl Search {
         let refuse = |reason: &str| {
             Err(LearnError::Step { step: self.steps + 1, reason: reason.to_owned() })
         };
+        if !self.is_near(step.before)? {
+            return refuse("the distance before it was another");
+        }
         let (Move::Add(edge) | Move::Remove(edge)) = step.change;
         let Ok(candidate) = self.lessons.candidates().binary_search(&edge) else {
             return refuse("its edge joins no two joints of these people");
@@ -129,7 +138,18 @@ impl Search {
         }
         self.evaluations += self.next_evaluations();
         self.toggle(candidate)?;
-        Ok(())
+        if self.is_near(step.distance)? {
+            return Ok(());
+        }
+        let reason = "it does not lead to its distance".to_owned();
+        Err(LearnError::Step { step: self.steps, reason })
+    }
+
+    /// Whether the edges found so far are as near as a step says: two ways to solve one mesh agree
+    /// far better than this, other recordings or parameters do not.
+    fn is_near(&self, distance: f64) -> Result<bool, LearnError> {
+        let here = self.lessons.distance()?;
+        Ok((here - distance).abs() <= 1e-6 * here + 1e-9)
     }
 
     fn toggle(&mut self, candidate: usize) -> Result<Move, LearnError> {
@@ -147,4 +167,25 @@ impl Search {
     pub fn edges(&self) -> Result<LearnedEdges, LearnError> {
         self.lessons.learned(&self.climb.factors(), 1)
     }
+}
+
+/// The edges that a predictor's demonstrations need: [`Lessons::of`] them, searched to the end.
+///
+/// - `groups`: one per demonstration; none learns from its own group.
+/// - `ignored`: the robot's joints that do not count.
+///
+/// # Errors
+/// [`LearnError`] if there is nothing to learn from, or a mesh cannot be solved.
+/// # Panics
+/// If there is not one group per demonstration.
+pub fn learn(
+    predictor: &Predictor,
+    groups: &[String],
+    ignored: &[JointId],
+    settings: &LearnSettings,
+) -> Result<LearnedEdges, LearnError> {
+    let lessons = Lessons::of(predictor, groups, ignored, settings)?;
+    let mut search = Search::new(lessons, settings.clone())?;
+    search.run()?;
+    search.edges()
 }
