@@ -35,6 +35,10 @@ pub struct DescentState {
     pub length: f64,
     /// The last values of the objective `[m]`, the newest at the end.
     pub recent: Vec<f64>,
+    /// Steps taken since the start, or since small factors were dropped.
+    pub taken: usize,
+    /// How many sets of factors the search has measured in all.
+    pub evaluations: usize,
 }
 
 /// The search of `gradient`.
@@ -45,6 +49,7 @@ pub(super) struct Descent {
     refit: bool,
     length: Option<f64>,
     recent: Vec<f64>,
+    taken: usize,
     /// Value and slope at `factors`, once they have been asked for.
     at: Option<(f64, Vec<f64>)>,
 }
@@ -58,6 +63,7 @@ impl Descent {
             refit: false,
             length: None,
             recent: Vec::new(),
+            taken: 0,
             at: None,
         }
     }
@@ -67,13 +73,15 @@ impl Descent {
         &self.factors
     }
 
-    pub(super) fn state(&self) -> DescentState {
+    pub(super) fn state(&self, evaluations: usize) -> DescentState {
         let factors = self.factors.iter().copied().enumerate().filter(|(_, factor)| *factor != 0.0);
         DescentState {
             refit: self.refit,
             factors: factors.collect(),
             length: self.length.unwrap_or(1.0),
             recent: self.recent.clone(),
+            taken: self.taken,
+            evaluations,
         }
     }
 
@@ -94,6 +102,7 @@ impl Descent {
             refit: state.refit,
             length: Some(state.length),
             recent: state.recent.clone(),
+            taken: state.taken,
             at: None,
         };
         Some(())
@@ -107,43 +116,48 @@ impl Descent {
         measured: &(impl Fn() + Sync),
     ) -> Result<(usize, bool), LearnError> {
         let mut evaluations = 0;
-        if self.stands_still(settings.tolerance) {
+        loop {
+            let at_end = self.taken >= settings.steps || self.stands_still(settings.tolerance);
+            if !at_end && self.descend(lessons, settings, measured, &mut evaluations)? {
+                self.taken += 1;
+                return Ok((evaluations, true));
+            }
             if self.refit {
                 return Ok((evaluations, false));
             }
             self.drop_small(settings.threshold);
         }
-        let mut objective = |factors: &[f64], refit: bool, evaluations: &mut usize| {
+    }
+
+    /// Whether a step was found that gains enough.
+    fn descend(
+        &mut self,
+        lessons: &mut Lessons,
+        settings: &LearnSettings,
+        measured: &(impl Fn() + Sync),
+        evaluations: &mut usize,
+    ) -> Result<bool, LearnError> {
+        let cost = if self.refit { 0.0 } else { settings.sparsity };
+        let mut objective = |factors: &[f64]| {
             *evaluations += 1;
-            let cost = if refit { 0.0 } else { settings.sparsity };
             objective(lessons, factors, self.phases, cost, measured)
         };
         let (value, slope) = match self.at.take() {
             Some(at) => at,
-            None => objective(&self.factors, self.refit, &mut evaluations)?,
+            None => objective(&self.factors)?,
         };
         if self.recent.is_empty() {
             self.recent.push(value);
         }
-        // What is dropped stays dropped.
-        let open: Vec<bool> = self.factors.iter().map(|f| !self.refit || *f > 0.0).collect();
         let project = |length: f64| -> Vec<f64> {
-            let moves = self.factors.iter().zip(&slope).zip(&open);
-            moves
-                .map(|((f, s), open)| if *open { (f - length * s).max(0.0) - f } else { 0.0 })
-                .collect()
+            let moves = self.factors.iter().zip(&slope);
+            // What was dropped stays dropped.
+            let open = |factor: f64| !self.refit || factor > 0.0;
+            moves.map(|(f, s)| if open(*f) { (f - length * s).max(0.0) - f } else { 0.0 }).collect()
         };
         let largest = project(1.0).iter().fold(0.0f64, |most, step| most.max(step.abs()));
         if largest == 0.0 {
-            // No factor can gain anything: an end of this part.
-            self.recent = vec![value; PATIENCE + 1];
-            self.at = Some((value, slope));
-            let go_on = !self.refit;
-            return if go_on {
-                self.step(lessons, settings, measured).map(|(more, taken)| (evaluations + more, taken))
-            } else {
-                Ok((evaluations, false))
-            };
+            return Ok(false);
         }
         let length = self.length.unwrap_or(1.0 / largest).clamp(LENGTHS[0], LENGTHS[1]);
         let direction = project(length);
@@ -153,31 +167,21 @@ impl Descent {
         for _ in 0..HALVINGS {
             let next = self.factors.iter().zip(&direction);
             let next: Vec<f64> = next.map(|(f, d)| (f + share * d).max(0.0)).collect();
-            let (new_value, new_slope) = objective(&next, self.refit, &mut evaluations)?;
+            let (new_value, new_slope) = objective(&next)?;
             if new_value <= bound + SUFFICIENT * share * promised {
-                let moved = || next.iter().zip(&self.factors).map(|(n, f)| n - f);
-                let bent: f64 =
-                    moved().zip(new_slope.iter().zip(&slope)).map(|(m, (n, s))| m * (n - s)).sum();
-                let far: f64 = moved().map(|m| m * m).sum();
-                let length = if bent > 0.0 { far / bent } else { LENGTHS[1] };
-                self.length = Some(length.clamp(LENGTHS[0], LENGTHS[1]));
+                self.length = Some(spectral_length(&next, &self.factors, &new_slope, &slope));
                 self.factors = next;
                 self.recent.push(new_value);
                 if self.recent.len() > MEMORY {
                     self.recent.remove(0);
                 }
                 self.at = Some((new_value, new_slope));
-                return Ok((evaluations, true));
+                return Ok(true);
             }
             share *= 0.5;
         }
         // Rounding is all that is left to gain.
-        self.recent = vec![value; PATIENCE + 1];
-        self.at = Some((value, slope));
-        if self.refit {
-            return Ok((evaluations, false));
-        }
-        self.step(lessons, settings, measured).map(|(more, taken)| (evaluations + more, taken))
+        Ok(false)
     }
 
     fn stands_still(&self, tolerance: f64) -> bool {
@@ -197,8 +201,18 @@ impl Descent {
         self.refit = true;
         self.length = None;
         self.recent.clear();
+        self.taken = 0;
         self.at = None;
     }
+}
+
+/// Barzilai and Borwein's step length: how far the factors moved against how much the slope bent.
+fn spectral_length(next: &[f64], last: &[f64], next_slope: &[f64], last_slope: &[f64]) -> f64 {
+    let moved: Vec<f64> = next.iter().zip(last).map(|(next, last)| next - last).collect();
+    let bent = next_slope.iter().zip(last_slope).zip(&moved);
+    let bent: f64 = bent.map(|((next, last), moved)| moved * (next - last)).sum();
+    let far: f64 = moved.iter().map(|moved| moved * moved).sum();
+    if bent > 0.0 { (far / bent).clamp(LENGTHS[0], LENGTHS[1]) } else { LENGTHS[1] }
 }
 
 /// The mean distance of converged solves with the factors' cost `[m]`, and its slope by each.

@@ -8,6 +8,7 @@
 //! reference (Thai 2014, eq. 3.9), its mean over the references where there are several.
 
 mod climb;
+mod descent;
 mod error;
 mod lesson;
 mod lessons;
@@ -15,6 +16,7 @@ mod record;
 mod search;
 mod settings;
 
+pub use descent::DescentState;
 pub use error::LearnError;
 pub use lesson::Lesson;
 pub use lessons::{Lessons, Room};

@@ -5,7 +5,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::{Move, Step};
+use super::{DescentState, Move, Step};
 use crate::mesh::{Edge, Pair, Vertex};
 use crate::skeleton::Role;
 
@@ -64,6 +64,15 @@ impl Step {
                 record.insert("edge".to_owned(), json!(edge.names(pair, people)));
                 record.insert("move".to_owned(), json!("remove"));
             }
+            Move::Descend(state) => {
+                record.insert("move".to_owned(), json!("descend"));
+                record.insert("refit".to_owned(), json!(state.refit));
+                record.insert("factors".to_owned(), json!(state.factors));
+                record.insert("length".to_owned(), json!(state.length));
+                record.insert("recent".to_owned(), json!(state.recent));
+                record.insert("taken".to_owned(), json!(state.taken));
+                record.insert("evaluations".to_owned(), json!(state.evaluations));
+            }
         }
         record.insert("before".to_owned(), json!(before));
         record.insert("distance".to_owned(), json!(distance));
@@ -83,6 +92,14 @@ impl Step {
         let change = match name.as_str() {
             "add" => Move::Add(record.edge(pair, people)?),
             "remove" => Move::Remove(record.edge(pair, people)?),
+            "descend" => Move::Descend(DescentState {
+                refit: record.value("refit", "true or false", Value::as_bool)?,
+                factors: record.list("factors", factor)?,
+                length: record.value("length", "a number", Value::as_f64)?,
+                recent: record.list("recent", Value::as_f64)?,
+                taken: record.value("taken", "a count", count)?,
+                evaluations: record.value("evaluations", "a count", count)?,
+            }),
             _ => return Err(RecordError::Move { name }),
         };
         let step =
@@ -112,6 +129,24 @@ impl Record {
         metres.ok_or(RecordError::Value { key, expected: "a number of metres, >= 0" })
     }
 
+    fn value<T>(
+        &mut self,
+        key: &'static str,
+        expected: &'static str,
+        read: impl Fn(&Value) -> Option<T>,
+    ) -> Result<T, RecordError> {
+        let value = self.0.remove(key).as_ref().and_then(read);
+        value.ok_or(RecordError::Value { key, expected })
+    }
+
+    fn list<T>(
+        &mut self,
+        key: &'static str,
+        read: impl Fn(&Value) -> Option<T>,
+    ) -> Result<Vec<T>, RecordError> {
+        self.value(key, "a list of numbers", |value| value.as_array()?.iter().map(&read).collect())
+    }
+
     fn edge(&mut self, pair: &Pair, people: [&str; 2]) -> Result<Edge, RecordError> {
         let (key, expected) = ("edge", "the names of two joints");
         let ends = self.0.remove(key);
@@ -128,6 +163,16 @@ fn vertex(name: &str, role: Role, pair: &Pair, people: [&str; 2]) -> Result<Vert
     let found = pair.vertices(role).find(|vertex| pair.name(*vertex, people) == name);
     let person = || people[role as usize].to_owned();
     found.ok_or_else(|| RecordError::Joint { name: name.to_owned(), person: person() })
+}
+
+fn count(value: &Value) -> Option<usize> {
+    value.as_u64()?.try_into().ok()
+}
+
+/// `[place, factor]`.
+fn factor(value: &Value) -> Option<(usize, f64)> {
+    let [place, factor] = value.as_array()?.as_slice() else { return None };
+    Some((count(place)?, factor.as_f64()?))
 }
 
 fn kind(value: &Value) -> &'static str {
