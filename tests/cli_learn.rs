@@ -201,9 +201,9 @@ fn a_resumed_run_ends_as_an_uninterrupted_one() {
 #[test]
 fn a_killed_run_goes_on() {
     let folder = clips(4);
-    // Enough steps that one is under way when it is killed.
+    // Enough steps that one is under way when it is killed, however busy the machine is.
     let more = |resume: &'static [&str]| {
-        let steps = ["--set", "learn.steps=6"];
+        let steps = ["--set", "learn.steps=40", "--jobs", "1"];
         learn(&[&LOG[..], &steps, resume].concat())
     };
     let path = folder.path().join("steps.jsonl");
@@ -220,7 +220,8 @@ fn a_killed_run_goes_on() {
     }
     child.kill().unwrap();
     child.wait().unwrap();
-    assert!((3..8).contains(&lines()), "killed in the middle, at {} lines", lines());
+    let left = fs::read_to_string(&path).unwrap();
+    assert!(lines() >= 3 && !left.contains("finished"), "not killed in the middle: {left}");
     assert!(!folder.path().join("m.safetensors").exists(), "no half of a model");
     check(&folder, &more(&["--resume"]), 0, &["redone from the log"]);
     let (model, log) = (bytes(&folder, "m.safetensors"), bytes(&folder, "steps.jsonl"));
