@@ -72,9 +72,8 @@ fn prepared(factors: &[f64], known: Constraint, settings: RetargetSettings) -> P
     let lengths = lengths.collect();
     let mesh = InteractionMesh::new(topology.clone(), reference, weights).unwrap();
     let is_known = |v: usize| v % JOINTS < 15 || v % JOINTS == 17;
-    let constraints: Vec<Constraint> = (0..targets.len())
-        .map(|v| if is_known(v) { known } else { Constraint::Free })
-        .collect();
+    let constraints: Vec<Constraint> =
+        (0..targets.len()).map(|v| if is_known(v) { known } else { Constraint::Free }).collect();
     let retargeter = Retargeter::new(topology, &constraints, settings).unwrap();
     Prepared::new(retargeter, mesh, targets, lengths).unwrap()
 }
@@ -194,8 +193,5 @@ fn local_global_has_no_slopes() {
     let mut room = system.variation();
     system.solve(&mut room).unwrap();
     let slope = vec![Vector::zeros(); FRAMES * JOINTS];
-    assert_eq!(
-        system.slopes(&slope, &[0], &mut room),
-        Err(NoDerivative)
-    );
+    assert_eq!(system.slopes(&slope, &[0], &mut room), Err(NoDerivative));
 }

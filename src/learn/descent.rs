@@ -1,8 +1,9 @@
 //! All weights at once down the gradient: the spectral projected gradient method.
 //!
-//! Minimises `mean d + sparsity · Σ factors` over factors ≥ 0 (Birgin, Martínez & Raydan 2000,
+//! Minimises `mean d + sparsity · d₀ · Σ x` (`d₀` the distance without edges) over `x ≥ 0`, where `x` is an edge's factor times the mean of
+//! its kernel: about its weight, so that near and far edges answer alike (Birgin, Martínez & Raydan 2000,
 //! SPG2: steps of Barzilai and Borwein's length, projected, with a line search that looks back at
-//! the last ten values). Then edges with small factors are dropped and the rest fitted without
+//! the last ten values). Then edges with small `x` are dropped and the rest fitted without
 //! the cost, so that what the cost took from them comes back. `d` is that of converged solves.
 
 use rayon::prelude::*;
@@ -27,57 +28,72 @@ const PATIENCE: usize = 5;
 /// Where a descent is: all that its next step depends on.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DescentState {
-    /// Whether small factors have been dropped and the rest is being fitted.
+    /// Whether small weights have been dropped and the rest is being fitted.
     pub refit: bool,
-    /// Factors that are not 0: `(place in candidates × phases, factor)`, rising.
-    pub factors: Vec<(usize, f64)>,
+    /// Mean weights `[-]` that are not 0: `(place in candidates × phases, weight)`, rising.
+    pub weights: Vec<(usize, f64)>,
     /// The next step's length.
     pub length: f64,
     /// The last values of the objective `[m]`, the newest at the end.
     pub recent: Vec<f64>,
-    /// Steps taken since the start, or since small factors were dropped.
+    /// Steps taken since the start, or since small weights were dropped.
     pub taken: usize,
-    /// How many sets of factors the search has measured in all.
+    /// How many sets of weights the search has measured in all.
     pub evaluations: usize,
 }
 
 /// The search of `gradient`.
 #[derive(Debug, Clone)]
 pub(super) struct Descent {
-    factors: Vec<f64>,
+    /// `x`: `candidates × phases`.
+    weights: Vec<f64>,
+    /// Of each candidate: the factor that makes its mean weight 1.
+    scales: Vec<f64>,
     phases: usize,
+    /// What a mean weight of 1 costs `[m]`.
+    cost: f64,
     refit: bool,
     length: Option<f64>,
     recent: Vec<f64>,
     taken: usize,
-    /// Value and slope at `factors`, once they have been asked for.
+    /// Value and slope at `weights`, once they have been asked for.
     at: Option<(f64, Vec<f64>)>,
 }
 
 impl Descent {
     /// No edges.
-    pub(super) fn start(lessons: &Lessons, phases: usize) -> Self {
-        Self {
-            factors: vec![0.0; lessons.candidates().len() * phases],
+    ///
+    /// # Errors
+    /// [`LearnError::Retarget`].
+    pub(super) fn start(
+        lessons: &mut Lessons,
+        settings: &LearnSettings,
+    ) -> Result<Self, LearnError> {
+        let phases = settings.phases;
+        lessons.set_factors(&vec![0.0; lessons.candidates().len() * phases], phases)?;
+        Ok(Self {
+            weights: vec![0.0; lessons.candidates().len() * phases],
+            scales: lessons.mean_kernels().into_iter().map(|mean| 1.0 / mean).collect(),
             phases,
+            cost: settings.sparsity * lessons.distance()?,
             refit: false,
             length: None,
             recent: Vec::new(),
             taken: 0,
             at: None,
-        }
+        })
     }
 
-    /// `candidates × phases`.
-    pub(super) fn factors(&self) -> &[f64] {
-        &self.factors
+    /// What the kernel's weights are multiplied by: `candidates × phases`.
+    pub(super) fn factors(&self) -> Vec<f64> {
+        factors(&self.weights, &self.scales, self.phases)
     }
 
     pub(super) fn state(&self, evaluations: usize) -> DescentState {
-        let factors = self.factors.iter().copied().enumerate().filter(|(_, factor)| *factor != 0.0);
+        let weights = self.weights.iter().copied().enumerate().filter(|(_, weight)| *weight != 0.0);
         DescentState {
             refit: self.refit,
-            factors: factors.collect(),
+            weights: weights.collect(),
             length: self.length.unwrap_or(1.0),
             recent: self.recent.clone(),
             taken: self.taken,
@@ -87,9 +103,9 @@ impl Descent {
 
     /// Stands where an earlier descent stood; `None` if it cannot have stood there.
     pub(super) fn resume(&mut self, state: &DescentState) -> Option<()> {
-        let mut factors = vec![0.0; self.factors.len()];
-        for (at, factor) in &state.factors {
-            *factors.get_mut(*at)? = Some(*factor).filter(|f| f.is_finite() && *f >= 0.0)?;
+        let mut weights = vec![0.0; self.weights.len()];
+        for (at, weight) in &state.weights {
+            *weights.get_mut(*at)? = Some(*weight).filter(|w| w.is_finite() && *w >= 0.0)?;
         }
         let usable = state.length.is_finite() && state.length > 0.0;
         let recent = (1..=MEMORY).contains(&state.recent.len());
@@ -97,8 +113,10 @@ impl Descent {
             return None;
         }
         *self = Self {
-            factors,
+            weights,
+            scales: std::mem::take(&mut self.scales),
             phases: self.phases,
+            cost: self.cost,
             refit: state.refit,
             length: Some(state.length),
             recent: state.recent.clone(),
@@ -108,7 +126,7 @@ impl Descent {
         Some(())
     }
 
-    /// One step down; how many sets of factors were measured, and whether there was a step to take.
+    /// One step down; how many sets of weights were measured, and whether there was a step to take.
     pub(super) fn step(
         &mut self,
         lessons: &mut Lessons,
@@ -118,7 +136,7 @@ impl Descent {
         let mut evaluations = 0;
         loop {
             let at_end = self.taken >= settings.steps || self.stands_still(settings.tolerance);
-            if !at_end && self.descend(lessons, settings, measured, &mut evaluations)? {
+            if !at_end && self.descend(lessons, measured, &mut evaluations)? {
                 self.taken += 1;
                 return Ok((evaluations, true));
             }
@@ -133,26 +151,28 @@ impl Descent {
     fn descend(
         &mut self,
         lessons: &mut Lessons,
-        settings: &LearnSettings,
         measured: &(impl Fn() + Sync),
         evaluations: &mut usize,
     ) -> Result<bool, LearnError> {
-        let cost = if self.refit { 0.0 } else { settings.sparsity };
-        let mut objective = |factors: &[f64]| {
-            *evaluations += 1;
-            objective(lessons, factors, self.phases, cost, measured)
+        let cost = if self.refit { 0.0 } else { self.cost };
+        // A search that was broken off has counted where it stands already.
+        let resumed = !self.recent.is_empty();
+        let (scales, phases) = (&self.scales, self.phases);
+        let mut objective = |weights: &[f64], counts: bool| {
+            *evaluations += usize::from(counts);
+            objective(lessons, weights, (scales, phases), cost, measured)
         };
         let (value, slope) = match self.at.take() {
             Some(at) => at,
-            None => objective(&self.factors)?,
+            None => objective(&self.weights, !resumed)?,
         };
         if self.recent.is_empty() {
             self.recent.push(value);
         }
         let project = |length: f64| -> Vec<f64> {
-            let moves = self.factors.iter().zip(&slope);
+            let moves = self.weights.iter().zip(&slope);
             // What was dropped stays dropped.
-            let open = |factor: f64| !self.refit || factor > 0.0;
+            let open = |weight: f64| !self.refit || weight > 0.0;
             moves.map(|(f, s)| if open(*f) { (f - length * s).max(0.0) - f } else { 0.0 }).collect()
         };
         let largest = project(1.0).iter().fold(0.0f64, |most, step| most.max(step.abs()));
@@ -165,12 +185,12 @@ impl Descent {
         let bound = self.recent.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let mut share = 1.0;
         for _ in 0..HALVINGS {
-            let next = self.factors.iter().zip(&direction);
+            let next = self.weights.iter().zip(&direction);
             let next: Vec<f64> = next.map(|(f, d)| (f + share * d).max(0.0)).collect();
-            let (new_value, new_slope) = objective(&next)?;
+            let (new_value, new_slope) = objective(&next, true)?;
             if new_value <= bound + SUFFICIENT * share * promised {
-                self.length = Some(spectral_length(&next, &self.factors, &new_slope, &slope));
-                self.factors = next;
+                self.length = Some(spectral_length(&next, &self.weights, &new_slope, &slope));
+                self.weights = next;
                 self.recent.push(new_value);
                 if self.recent.len() > MEMORY {
                     self.recent.remove(0);
@@ -192,8 +212,8 @@ impl Descent {
 
     /// Drops edges whose greatest factor is below a share of all, and starts to fit the rest.
     fn drop_small(&mut self, threshold: f64) {
-        let largest = self.factors.iter().copied().fold(0.0, f64::max);
-        for edge in self.factors.chunks_exact_mut(self.phases) {
+        let largest = self.weights.iter().copied().fold(0.0, f64::max);
+        for edge in self.weights.chunks_exact_mut(self.phases) {
             if edge.iter().copied().fold(0.0, f64::max) < threshold * largest {
                 edge.fill(0.0);
             }
@@ -215,15 +235,21 @@ fn spectral_length(next: &[f64], last: &[f64], next_slope: &[f64], last_slope: &
     if bent > 0.0 { (far / bent).clamp(LENGTHS[0], LENGTHS[1]) } else { LENGTHS[1] }
 }
 
-/// The mean distance of converged solves with the factors' cost `[m]`, and its slope by each.
+/// `x` of each candidate and phase → what its kernel's weights are multiplied by.
+fn factors(weights: &[f64], scales: &[f64], phases: usize) -> Vec<f64> {
+    let of_candidates = weights.chunks_exact(phases).zip(scales);
+    of_candidates.flat_map(|(weights, scale)| weights.iter().map(move |w| w * scale)).collect()
+}
+
+/// The mean distance of converged solves with the weights' cost `[m]`, and its slope by each.
 fn objective(
     lessons: &mut Lessons,
-    factors: &[f64],
-    phases: usize,
+    weights: &[f64],
+    (scales, phases): (&[f64], usize),
     cost: f64,
     measured: &(impl Fn() + Sync),
 ) -> Result<(f64, Vec<f64>), LearnError> {
-    lessons.set_factors(factors, phases)?;
+    lessons.set_factors(&factors(weights, scales, phases), phases)?;
     let count = lessons.lessons().len() as f64;
     let of_lessons: Vec<(f64, Vec<f64>)> = lessons
         .lessons()
@@ -234,11 +260,13 @@ fn objective(
             slopes
         })
         .collect::<Result<_, _>>()?;
-    let mut value = cost * factors.iter().sum::<f64>();
-    let mut slope = vec![cost; factors.len()];
-    for (distance, slopes) in of_lessons {
+    let mut value = cost * weights.iter().sum::<f64>();
+    let mut slope = vec![cost; weights.len()];
+    for (distance, by_factor) in of_lessons {
         value += distance / count;
-        slope.iter_mut().zip(slopes).for_each(|(sum, slope)| *sum += slope / count);
+        // By the chain rule: a factor is its weight times the scale.
+        let by_weight = factors(&by_factor, scales, phases);
+        slope.iter_mut().zip(by_weight).for_each(|(sum, slope)| *sum += slope / count);
     }
     Ok((value, slope))
 }

@@ -165,7 +165,8 @@ impl Lesson {
         let distance = self.distance_of(room.solved());
         let by_weight = self.prepared.slopes(&slope, &self.edges, &mut room)?;
         let mut slopes = vec![0.0; self.edges.len() * phases];
-        let by_edge = by_weight.chunks_exact(self.frames()).zip(self.kernel.chunks_exact(self.frames()));
+        let by_edge =
+            by_weight.chunks_exact(self.frames()).zip(self.kernel.chunks_exact(self.frames()));
         for (candidate, (by_weight, kernel)) in by_edge.enumerate() {
             for ((slope, kernel), phase) in by_weight.iter().zip(kernel).zip(&self.phases) {
                 slopes[candidate * phases + phase] += slope * kernel;

@@ -59,8 +59,7 @@ impl Lessons {
         let demonstrations = predictor.demonstrations();
         assert_eq!(demonstrations.len(), groups.len(), "one group per demonstration");
         let met = met(demonstrations);
-        let has_others =
-            |at: &usize| met.iter().any(|other| groups[*other] != groups[*at]);
+        let has_others = |at: &usize| met.iter().any(|other| groups[*other] != groups[*at]);
         let usable: Vec<usize> = met.iter().copied().filter(has_others).collect();
         let chosen = spread(demonstrations, &usable, 2 * settings.references);
         let first = demonstrations.first().ok_or(LearnError::NoLessons)?;
@@ -133,6 +132,15 @@ impl Lessons {
     pub fn set_factors(&mut self, factors: &[f64], phases: usize) -> Result<(), LearnError> {
         let all = self.lessons.par_iter_mut().chain(&mut self.held_out);
         all.map(|lesson| lesson.set_factors(factors, phases)).collect()
+    }
+
+    /// The mean of the kernel's weight `[-]` over all references' frames, of each candidate.
+    pub(super) fn mean_kernels(&self) -> Vec<f64> {
+        let mean = |candidate: usize| {
+            let weights = || self.lessons.iter().flat_map(|lesson| lesson.kernel(candidate));
+            weights().sum::<f64>() / weights().count() as f64
+        };
+        (0..self.candidates.len()).map(mean).collect()
     }
 
     /// The mean distance `[m]` of the references to learn from.

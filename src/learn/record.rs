@@ -67,7 +67,7 @@ impl Step {
             Move::Descend(state) => {
                 record.insert("move".to_owned(), json!("descend"));
                 record.insert("refit".to_owned(), json!(state.refit));
-                record.insert("factors".to_owned(), json!(state.factors));
+                record.insert("weights".to_owned(), json!(state.weights));
                 record.insert("length".to_owned(), json!(state.length));
                 record.insert("recent".to_owned(), json!(state.recent));
                 record.insert("taken".to_owned(), json!(state.taken));
@@ -94,7 +94,7 @@ impl Step {
             "remove" => Move::Remove(record.edge(pair, people)?),
             "descend" => Move::Descend(DescentState {
                 refit: record.value("refit", "true or false", Value::as_bool)?,
-                factors: record.list("factors", factor)?,
+                weights: record.list("weights", weight)?,
                 length: record.value("length", "a number", Value::as_f64)?,
                 recent: record.list("recent", Value::as_f64)?,
                 taken: record.value("taken", "a count", count)?,
@@ -169,10 +169,10 @@ fn count(value: &Value) -> Option<usize> {
     value.as_u64()?.try_into().ok()
 }
 
-/// `[place, factor]`.
-fn factor(value: &Value) -> Option<(usize, f64)> {
-    let [place, factor] = value.as_array()?.as_slice() else { return None };
-    Some((count(place)?, factor.as_f64()?))
+/// `[place, weight]`.
+fn weight(value: &Value) -> Option<(usize, f64)> {
+    let [place, weight] = value.as_array()?.as_slice() else { return None };
+    Some((count(place)?, weight.as_f64()?))
 }
 
 fn kind(value: &Value) -> &'static str {

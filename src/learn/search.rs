@@ -40,7 +40,7 @@ impl Strategy {
     fn factors(&self) -> Vec<f64> {
         match self {
             Self::Climb(climb) => climb.factors(),
-            Self::Descent(descent) => descent.factors().to_vec(),
+            Self::Descent(descent) => descent.factors(),
         }
     }
 }
@@ -62,10 +62,16 @@ impl Search {
     /// Stands at the method's start.
     ///
     /// # Errors
-    /// [`LearnError`] if the start cannot be solved.
-    pub fn new(lessons: Lessons, settings: LearnSettings) -> Result<Self, LearnError> {
+    /// [`LearnError`] if the start cannot be solved; [`LearnError::NoDerivative`] if the method is
+    /// `gradient` and the transform `local_global`.
+    pub fn new(mut lessons: Lessons, settings: LearnSettings) -> Result<Self, LearnError> {
         let strategy = match settings.method {
-            LearnMethod::Gradient => Strategy::Descent(Descent::start(&lessons, settings.phases)),
+            LearnMethod::Gradient => {
+                for lesson in lessons.lessons() {
+                    lesson.prepared.check_slopes()?;
+                }
+                Strategy::Descent(Descent::start(&mut lessons, &settings)?)
+            }
             method => Strategy::Climb(Climb::start(method, &lessons)),
         };
         let finished = settings.method == LearnMethod::None;
@@ -172,9 +178,8 @@ impl Search {
     /// [`LearnError::Step`] if no search of this kind could have found it here.
     pub fn redo(&mut self, step: &Step) -> Result<(), LearnError> {
         let number = self.steps + 1;
-        let refuse = |reason: &str| {
-            Err(LearnError::Step { step: number, reason: reason.to_owned() })
-        };
+        let refuse =
+            |reason: &str| Err(LearnError::Step { step: number, reason: reason.to_owned() });
         if !self.is_near(step.before)? {
             return refuse("the distance before it was another");
         }

@@ -57,9 +57,11 @@ pub struct LearnSettings {
     pub contact_fade: f64,
     /// Phases that an edge has a factor for each (`gradient` only), ≥ 1.
     pub phases: usize,
-    /// What a factor of 1 costs `[m]` (`gradient` only), ≥ 0: edges that bring less vanish.
+    /// What a mean weight of 1 costs, as a share `[-]` of the distance without edges (`gradient`
+    /// only), ≥ 0: edges that bring less vanish.
     pub sparsity: f64,
-    /// Edges whose greatest factor is below this share `[-]` of all are dropped (`gradient` only).
+    /// Edges whose greatest mean weight is below this share `[-]` of all are dropped (`gradient`
+    /// only).
     pub threshold: f64,
 }
 
@@ -74,7 +76,7 @@ impl Default for LearnSettings {
             contact_weight: 5.0,
             contact_fade: 0.5,
             phases: 1,
-            sparsity: 0.01,
+            sparsity: 3e-3,
             threshold: 0.05,
         }
     }

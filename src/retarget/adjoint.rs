@@ -7,19 +7,19 @@
 //! are solved by conjugate gradients with the factor of `A` for preconditioner: its eigenvalues
 //! then lie below 1.
 
+use super::RetargetError;
 use super::prepared::{Prepared, Variation};
 use super::settings::{Constraint, Transform};
-use super::RetargetError;
 use crate::geometry::{Point, Vector};
 
 /// Newton steps at most; a handful is usual.
-const NEWTON_STEPS: usize = 60;
+const NEWTON_STEPS: usize = 30;
 
 /// A Newton step that moves no coordinate farther `[m]` is taken unasked.
 const SMALL_STEP: f64 = 1e-6;
 
 /// Conjugate-gradient steps at most.
-const CONJUGATE_STEPS: usize = 2000;
+const CONJUGATE_STEPS: usize = 300;
 
 /// To which share `[-]` the residual falls, in the norm of `A⁻¹`, in the system of a Newton step:
 /// the next step makes good what is left.
@@ -44,7 +44,7 @@ impl Prepared {
     /// # Panics
     /// If the transform is `local_global`: its steps have another matrix.
     pub fn converge(&self, tolerance: f64, room: &mut Variation) -> Result<f64, RetargetError> {
-        assert!(self.transform() != Transform::LocalGlobal, "no Newton step for local_global");
+        assert!(self.check_slopes().is_ok(), "local_global has no Newton step here");
         self.solve(room)?;
         let mut last = f64::INFINITY;
         for _ in 0..NEWTON_STEPS {
@@ -88,17 +88,14 @@ impl Prepared {
         edges: &[usize],
         room: &mut Variation,
     ) -> Result<Vec<f64>, NoDerivative> {
-        if self.transform() == Transform::LocalGlobal {
-            return Err(NoDerivative);
-        }
+        self.check_slopes()?;
         let unknown = self.unknowns(|vertex| slope[vertex]);
         let adjoint = self.conjugate_gradients(&unknown, ADJOINT_TOLERANCE, room);
         let vertices = self.targets.len();
         let pattern = &self.retargeter.pattern;
         let on_all = |x: &dyn Fn(usize) -> Vector| (0..vertices).map(x).collect::<Vec<Vector>>();
-        let adjoint = on_all(&|vertex| {
-            pattern.unknown(vertex).map_or(Vector::zeros(), |at| adjoint[at])
-        });
+        let adjoint =
+            on_all(&|vertex| pattern.unknown(vertex).map_or(Vector::zeros(), |at| adjoint[at]));
         // What the rows make small: `implicit` has δ in its rows, `none` takes it from the reference.
         let kept = match self.transform() {
             Transform::Implicit => on_all(&|vertex| room.solved[vertex].coords),
@@ -114,11 +111,8 @@ impl Prepared {
         }
         let mut slopes = vec![0.0; ends.len()];
         // Row by row: many edges end at one vertex.
-        let mut halves: Vec<(usize, usize, usize)> = ends
-            .iter()
-            .enumerate()
-            .flat_map(|(at, [a, b])| [(*a, *b, at), (*b, *a, at)])
-            .collect();
+        let mut halves: Vec<(usize, usize, usize)> =
+            ends.iter().enumerate().flat_map(|(at, [a, b])| [(*a, *b, at), (*b, *a, at)]).collect();
         halves.sort_unstable();
         for of_vertex in halves.chunk_by(|one, next| one.0 == next.0) {
             let vertex = of_vertex[0].0;
@@ -132,6 +126,14 @@ impl Prepared {
             }
         }
         Ok(slopes)
+    }
+
+    /// Whether there are [`Self::slopes`] at all.
+    ///
+    /// # Errors
+    /// [`NoDerivative`] if the transform is `local_global`.
+    pub fn check_slopes(&self) -> Result<(), NoDerivative> {
+        if self.transform() == Transform::LocalGlobal { Err(NoDerivative) } else { Ok(()) }
     }
 
     fn transform(&self) -> Transform {
@@ -175,8 +177,7 @@ impl Prepared {
             let columns: Vec<[f64; 3]> = x.iter().map(|x| [x.x, x.y, x.z]).collect();
             matrix.multiply(&columns).into_iter().map(Vector::from).collect()
         } else {
-            let stacked: Vec<[f64; 1]> =
-                x.iter().flat_map(|x| [[x.x], [x.y], [x.z]]).collect();
+            let stacked: Vec<[f64; 1]> = x.iter().flat_map(|x| [[x.x], [x.y], [x.z]]).collect();
             let product = matrix.multiply(&stacked);
             product.chunks_exact(3).map(|p| Vector::new(p[0][0], p[1][0], p[2][0])).collect()
         }
@@ -190,8 +191,7 @@ impl Prepared {
             factor.solve(&mut columns);
             columns.into_iter().map(|c| Vector::new(c[0], c[1], c[2])).collect()
         } else {
-            let mut stacked: Vec<[f64; 1]> =
-                x.iter().flat_map(|x| [[x.x], [x.y], [x.z]]).collect();
+            let mut stacked: Vec<[f64; 1]> = x.iter().flat_map(|x| [[x.x], [x.y], [x.z]]).collect();
             factor.solve(&mut stacked);
             stacked.chunks_exact(3).map(|p| Vector::new(p[0][0], p[1][0], p[2][0])).collect()
         }
@@ -227,12 +227,7 @@ impl Prepared {
 
     /// `(A − w_b J)⁻¹ b` at the solution in `room`; where the curvature is negative (bones pressed
     /// together, far from a solution) the best direction found before.
-    fn conjugate_gradients(
-        &self,
-        b: &[Vector],
-        tolerance: f64,
-        room: &Variation,
-    ) -> Vec<Vector> {
+    fn conjugate_gradients(&self, b: &[Vector], tolerance: f64, room: &Variation) -> Vec<Vector> {
         let mut x = vec![Vector::zeros(); b.len()];
         let mut residual = b.to_vec();
         let mut preconditioned = self.precondition(&residual, room);

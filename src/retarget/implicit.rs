@@ -73,7 +73,8 @@ impl Similarity {
         let stretch = change.delta / self.size - delta * (size / (self.size * self.size));
         let turn = change.delta.cross_matrix() * self.inverse
             - delta.cross_matrix() * self.inverse * inertia * self.inverse;
-        stretch * along - turn * around
+        stretch * along
+            - turn * around
             - self.apply(change.centroid.dot(&sum), change.centroid.cross(&sum))
     }
 

@@ -6,8 +6,8 @@
 use nalgebra::Matrix3;
 
 use super::implicit::{Similarity, SimilarityChange};
-use super::solve::Retargeter;
 use super::settings::Transform;
+use super::solve::Retargeter;
 use crate::geometry::Vector;
 use crate::mesh::InteractionMesh;
 
@@ -113,9 +113,8 @@ impl Turning {
             spread: (q * q.transpose() - self.spread) / total,
         };
         let (along, around) = self.moments;
-        let own = self
-            .similarity
-            .apply((q.dot(&x) - along) / total, (q.cross(&x) - around) / total);
+        let own =
+            self.similarity.apply((q.dot(&x) - along) / total, (q.cross(&x) - around) / total);
         own + self.similarity.changed(&change, self.delta, self.all_moments(), self.sum)
     }
 }
