@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use handover_mesh::formats::UpAxis;
+use handover_mesh::learn::LearnMethod;
 use handover_mesh::predict::Method;
 
 /// Learns handovers from recordings of two people, and says what recordings hold.
@@ -50,6 +51,16 @@ pub(crate) enum Command {
     Evaluate(Evaluate),
     /// Say what files hold and what is wrong with them
     Check(Check),
+}
+
+impl Command {
+    /// Options that stand for parameters.
+    pub(crate) fn settings(&self) -> Vec<(String, String)> {
+        match self {
+            Self::Evaluate(evaluate) => evaluate.learning.settings().collect(),
+            Self::Import(_) | Self::Replay(_) | Self::Check(_) => Vec::new(),
+        }
+    }
 }
 
 /// Turn recordings of any known format into CSV.
@@ -101,6 +112,9 @@ pub(crate) struct Replay {
 /// displaced: the same with the partner moved up, left, right or nearer by 0.1 or 0.2 m, and apart
 /// from that with the robot 0.8 or 1.2 times as large. What a person would have done there is not
 /// known, so only the gap to the partner's hand, bones and jerk are measured.
+///
+/// thesis: the first recording is retargeted to each of all, by an interaction mesh that was trained
+/// on one of them: a row a training, a column a target, in metres over all joints and frames.
 #[derive(Debug, Args)]
 pub(crate) struct Evaluate {
     /// Recordings, or folders searched for recordings (.csv, .txt)
@@ -124,8 +138,34 @@ pub(crate) struct Evaluate {
     /// Write the JSON object to a file too (.json)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) out: Option<PathBuf>,
+    /// Draw the distances over the steps of learning (.svg; thesis only)
+    #[arg(long, value_name = "OUT")]
+    pub(crate) plot: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) learning: Learning,
     #[command(flatten)]
     pub(crate) selection: Selection,
+}
+
+/// How the edges between the people are learned.
+#[derive(Debug, Clone, Default, Args)]
+pub(crate) struct Learning {
+    /// How the edges of `mesh` are searched for [default: learn.method]
+    #[arg(long, value_name = "M",
+          value_parser = PossibleValuesParser::new(LearnMethod::ALL.map(LearnMethod::name)))]
+    pub(crate) method: Option<String>,
+    /// How edges between the people weigh [default: mesh.kernel]
+    #[arg(long, value_name = "K",
+          value_parser = PossibleValuesParser::new(["uniform", "inverse_distance"]))]
+    pub(crate) kernel: Option<String>,
+}
+
+impl Learning {
+    /// The same as settings, which win over the file's and over those of `--set`.
+    pub(crate) fn settings(&self) -> impl Iterator<Item = (String, String)> + '_ {
+        let values = [("learn.method", &self.method), ("mesh.kernel", &self.kernel)];
+        values.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value.clone()?)))
+    }
 }
 
 /// How clips are dealt and measured.
@@ -137,6 +177,9 @@ pub(crate) enum Protocol {
     /// The same with the partner elsewhere, or the robot of another size
     #[value(name = "displaced")]
     Displaced,
+    /// The first recording retargeted to each of all, by meshes trained on one of them
+    #[value(name = "thesis")]
+    Thesis,
 }
 
 /// Accepts the methods' names.

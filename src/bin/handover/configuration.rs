@@ -10,9 +10,11 @@ use crate::args::Global;
 
 /// Reads the parameter file, if one is named, and the settings over it.
 ///
+/// - `options`: what options other than `--set` set; they win.
+///
 /// # Errors
 /// [`UsageError`] with every violation, or that the file cannot be read.
-pub(crate) fn load(global: &Global) -> anyhow::Result<Config> {
+pub(crate) fn load(global: &Global, options: Vec<(String, String)>) -> anyhow::Result<Config> {
     let (yaml, source) = match &global.config {
         Some(path) => {
             let text = fs::read_to_string(path)
@@ -22,5 +24,6 @@ pub(crate) fn load(global: &Global) -> anyhow::Result<Config> {
         None => (String::new(), "--set".to_owned()),
     };
     let text = |error: ConfigError| UsageError(format!("{source}: {error}"));
-    Config::from_yaml(&yaml, &global.set).map_err(|error| text(error).into())
+    let settings: Vec<(String, String)> = global.set.iter().cloned().chain(options).collect();
+    Config::from_yaml(&yaml, &settings).map_err(|error| text(error).into())
 }

@@ -20,6 +20,8 @@ pub(crate) struct Loaded {
     pub(crate) demonstrations: Vec<Arc<Demonstration>>,
     pub(crate) role: String,
     pub(crate) left_out: usize,
+    /// Whether the very first recording is one of those left out.
+    pub(crate) first_left_out: bool,
 }
 
 /// Loads recordings and takes `role` in each; names on stderr what has to be left out.
@@ -33,7 +35,8 @@ pub(crate) fn load(
     config: &Config,
     output: &Output,
 ) -> anyhow::Result<Loaded> {
-    let files::Demonstrations { recordings, bad } = files::load(paths, selection, output)?;
+    let files::Demonstrations { recordings, bad, first_is_bad } =
+        files::load(paths, selection, output)?;
     files::name_bad(&bad, output);
     let mut left_out = bad.len();
     if recordings.is_empty() {
@@ -43,6 +46,7 @@ pub(crate) fn load(
         Some(role) => role.to_owned(),
         None => default_role(&recordings)?,
     };
+    let first = recordings[0].name().to_owned();
     let mut demonstrations: Vec<Arc<Demonstration>> = Vec::new();
     let mut leave_out = |why: String| {
         output.problem(&format!("left out: {why}"));
@@ -70,7 +74,9 @@ pub(crate) fn load(
     if demonstrations.is_empty() {
         bail!("no recording is left to work with");
     }
-    Ok(Loaded { demonstrations, role, left_out })
+    // Names are distinct.
+    let first_left_out = first_is_bad || demonstrations[0].recording().name() != first;
+    Ok(Loaded { demonstrations, role, left_out, first_left_out })
 }
 
 /// The value that occurs most often, the first of equals; `None` of nothing.

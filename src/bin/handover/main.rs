@@ -8,9 +8,11 @@ mod evaluate;
 mod files;
 mod import;
 mod output;
+mod plot;
 mod progress;
 mod replay;
 mod tables;
+mod thesis;
 
 use std::process::ExitCode;
 
@@ -64,7 +66,7 @@ fn main() -> ExitCode {
 fn run(arguments: &Arguments, output: &Output) -> anyhow::Result<Outcome> {
     set_jobs(&arguments.global)?;
     // Read for every command: a wrong parameter is wrong wherever it is given.
-    let config = configuration::load(&arguments.global)?;
+    let config = configuration::load(&arguments.global, arguments.command.settings())?;
     match &arguments.command {
         Command::Import(import) => import::run(import, output),
         Command::Replay(replay) => replay::run(replay, &config, output),

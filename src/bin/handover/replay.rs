@@ -24,7 +24,7 @@ pub(crate) fn run(replay: &Replay, config: &Config, output: &Output) -> anyhow::
     };
     // Who learns from the answer need not find it.
     let others = Selection { except: Some(recording.clone()), ..selection.clone() };
-    let Loaded { mut demonstrations, role, left_out } =
+    let Loaded { mut demonstrations, role, left_out, .. } =
         load(demonstrations, replay.role.as_deref(), &others)?;
     let replayed = load(recording, Some(&role), selection)?;
     let [truth] = replayed.demonstrations.as_slice() else {
