@@ -202,6 +202,13 @@ fn a_bad_input_motion_is_not_replaced_by_the_next() {
 }
 
 #[test]
+fn phases_are_of_gradient_alone() {
+    let folder = clips(2);
+    let found = |phases: &str| check(&folder, &thesis(&["--json", "--set", phases]), 0, &[]).stdout;
+    assert_eq!(found("learn.phases=1"), found("learn.phases=3"));
+}
+
+#[test]
 fn options_of_learning_win_over_parameters_and_serve_all_protocols() {
     let folder = clips(3);
     let over = ["--json", "--method", "none", "--set", "learn.method=prune", "--set"];

@@ -56,6 +56,7 @@ impl Lessons {
         ignored: &[JointId],
         settings: &LearnSettings,
     ) -> Result<Self, LearnError> {
+        let settings = &settings.with_own_phases();
         let demonstrations = predictor.demonstrations();
         assert_eq!(demonstrations.len(), groups.len(), "one group per demonstration");
         let has_others = |at: &usize| groups.iter().any(|group| *group != groups[*at]);
@@ -99,8 +100,8 @@ impl Lessons {
     ) -> Result<Self, LearnError> {
         let pair = problem.pair().clone();
         let candidates = candidates(&pair);
-        let named = (candidates.as_slice(), hands);
-        let lesson = Lesson::new(truth, problem, named, ignored, predict, settings)?;
+        let (named, settings) = ((candidates.as_slice(), hands), settings.with_own_phases());
+        let lesson = Lesson::new(truth, problem, named, ignored, predict, &settings)?;
         Self::new(pair, hands, vec![lesson], Vec::new())
     }
 
