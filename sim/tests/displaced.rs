@@ -10,6 +10,7 @@ use handover_mesh::evaluate::{
     displaced,
 };
 use handover_mesh::geometry::yaw_isometry;
+use handover_mesh::learn::LearnSettings;
 use handover_mesh::predict::{Method, PredictSettings, Predictor};
 use handover_mesh::{Part, Point, Recording, Role, Side, Vector};
 use handover_sim::generate;
@@ -204,6 +205,7 @@ fn out_of_reach_a_scaled_robot_has_no_figures() {
         folds: 10,
         ignored_joints: Vec::new(),
         predict: PredictSettings::default(),
+        learn: LearnSettings::default(),
     };
     let found = displaced(&clips, &groups, &settings, || ()).unwrap();
     assert!(found.failures.is_empty(), "that is no failure: {:?}", found.failures);

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use handover_mesh::demonstration::Demonstration;
 use handover_mesh::evaluate::{EvaluateSettings, Figure, Figures, Trial, leave_one_out};
+use handover_mesh::learn::LearnSettings;
 use handover_mesh::predict::{Method, PredictSettings, Predictor};
 use handover_mesh::{Frame, Part, Point, Recording, Role, Sequence, Side, Vector};
 use handover_sim::generate;
@@ -115,6 +116,7 @@ fn the_mesh_meets_hands_and_keeps_bones() {
         folds: 10,
         ignored_joints: Vec::new(),
         predict: PredictSettings::default(),
+        learn: LearnSettings::default(),
     };
     let evaluation = leave_one_out(&clips, &groups, &settings, || ()).unwrap();
     let median = |method: Method, figure: Figure| {
@@ -139,6 +141,7 @@ fn one_group_has_nobody_to_learn_from() {
         folds: 10,
         ignored_joints: Vec::new(),
         predict: PredictSettings::default(),
+        learn: LearnSettings::default(),
     };
     let groups = vec!["same".to_owned(); 3];
     let error = leave_one_out(&clips, &groups, &settings, || ()).unwrap_err().to_string();

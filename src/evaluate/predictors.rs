@@ -8,7 +8,7 @@ use super::TrialError;
 use super::folds::folds;
 use super::trial::UnknownJoint;
 use crate::demonstration::Demonstration;
-use crate::learn::{LearnSettings, Lessons, Search};
+use crate::learn::{LearnSettings, learn};
 use crate::predict::{Method, PredictSettings, Predictor};
 
 /// What an evaluation may choose.
@@ -68,7 +68,7 @@ fn predictors(
         let others = clips.iter().zip(groups).zip(folds).filter(|(_, f)| **f != fold);
         let (others, groups): (Vec<_>, Vec<_>) =
             others.map(|((clip, group), _)| (clip.clone(), group.clone())).unzip();
-        learn(others, &groups, settings).map_err(|error| EvaluateError::Clip {
+        fit(others, &groups, settings).map_err(|error| EvaluateError::Clip {
             clip: format!("learning without fold {fold}"),
             error,
         })
@@ -77,7 +77,7 @@ fn predictors(
 }
 
 /// A predictor with the edges that its demonstrations need.
-fn learn(
+fn fit(
     demonstrations: Vec<Arc<Demonstration>>,
     groups: &[String],
     settings: &EvaluateSettings,
@@ -88,10 +88,8 @@ fn learn(
     }
     let skeleton = predictor.demonstrations()[0].robot().skeleton();
     let ignored = UnknownJoint::find(skeleton, &settings.ignored_joints)?;
-    let lessons = Lessons::of(&predictor, groups, &ignored, &settings.learn)?;
-    let mut search = Search::new(lessons, settings.learn.clone())?;
-    search.run()?;
-    Ok(predictor.with_edges(search.edges()?))
+    let edges = learn(&predictor, groups, &ignored, &settings.learn)?;
+    Ok(predictor.with_edges(edges))
 }
 
 /// What `evaluate` makes of each clip with a predictor that never saw the clip nor its group, in

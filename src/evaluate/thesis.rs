@@ -20,7 +20,7 @@ use super::predictors::{EvaluateError, EvaluateSettings};
 use super::trial::UnknownJoint;
 use crate::demonstration::Demonstration;
 use crate::learn::{LearnMethod, LearnSettings, Lessons, Move, Search, Step};
-use crate::mesh::{Edge, Kernel, Pair};
+use crate::mesh::{Kernel, Pair};
 use crate::predict::{LearnedEdges, Predictor};
 
 /// The row of the table that nothing was learned for.
@@ -184,7 +184,7 @@ impl Thesis {
     /// "average":{TRAINING:{"own","others","untrained":{"own","others"}}}}`, distances in metres.
     ///
     /// The table's first row is `untrained`; a curve has the distance at the start and after each
-    /// step; a joint is `person/joint`.
+    /// step; a joint is `person/joint`. A step of `gradient` moves all edges: its edge is null.
     pub fn to_json(&self, role: &str) -> Value {
         let names = || self.clips.iter().map(|(name, _)| name.clone());
         let row = |distances: &[f64]| -> Value {
@@ -223,14 +223,12 @@ impl Thesis {
     }
 
     fn step_json(&self, step: &Step) -> Value {
-        let value = |edge: &Edge, name: &str| {
-            let ends =
-                edge.ends().map(|end| self.pair.name(end, [&self.people[0], &self.people[1]]));
-            json!({ "edge": ends, "move": name })
+        let people = self.people.each_ref().map(String::as_str);
+        let (edge, name) = match &step.change {
+            Move::Add(edge) => (Some(edge), "add"),
+            Move::Remove(edge) => (Some(edge), "remove"),
+            Move::Descend(_) => (None, "descend"),
         };
-        match &step.change {
-            Move::Add(edge) => value(edge, "add"),
-            Move::Remove(edge) => value(edge, "remove"),
-        }
+        json!({ "edge": edge.map(|edge| edge.names(&self.pair, people)), "move": name })
     }
 }

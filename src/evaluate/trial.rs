@@ -23,7 +23,7 @@ impl UnknownJoint {
     ///
     /// # Errors
     /// The first name that the skeleton lacks.
-    pub(super) fn find(skeleton: &Skeleton, names: &[String]) -> Result<Vec<JointId>, Self> {
+    pub fn find(skeleton: &Skeleton, names: &[String]) -> Result<Vec<JointId>, Self> {
         let find = |name: &String| {
             let known = || skeleton.names().to_vec();
             skeleton.joint(name).ok_or_else(|| Self { name: name.clone(), known: known() })

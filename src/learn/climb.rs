@@ -2,7 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::{LearnError, LearnMethod, Lessons};
+use super::{LearnError, LearnMethod, Lessons, Move};
+use crate::mesh::Edge;
 
 /// Which candidates are edges.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,10 +20,6 @@ impl Climb {
             .map(|at| method == LearnMethod::Prune && initial(at))
             .collect();
         Self { on }
-    }
-
-    pub(super) fn is_on(&self, candidate: usize) -> bool {
-        self.on[candidate]
     }
 
     /// One factor per candidate.
@@ -67,9 +64,10 @@ impl Climb {
         Ok(both.reduce(|best, next| if next.1 < best.1 { next } else { best }))
     }
 
-    /// Switches a candidate; whether it is on now.
-    pub(super) fn toggle(&mut self, candidate: usize) -> bool {
+    /// Switches a candidate.
+    pub(super) fn toggle(&mut self, candidate: usize, candidates: &[Edge]) -> Move {
         self.on[candidate] = !self.on[candidate];
-        self.on[candidate]
+        let edge = candidates[candidate];
+        if self.on[candidate] { Move::Add(edge) } else { Move::Remove(edge) }
     }
 }

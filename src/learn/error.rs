@@ -2,13 +2,13 @@
 
 use crate::mesh::MeshError;
 use crate::predict::{EdgesError, PredictError};
-use crate::retarget::{RetargetError, VariationError};
+use crate::retarget::{NoDerivative, RetargetError, VariationError};
 
 /// Why nothing is learned.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LearnError {
     /// Nothing to learn from.
-    #[error("no reference motion to learn from")]
+    #[error("no reference motion to learn from: it takes recordings of at least two groups")]
     NoLessons,
     /// The skeletons make no pair of people who could be joined.
     #[error(transparent)]
@@ -22,6 +22,9 @@ pub enum LearnError {
     /// A reference could not be solved.
     #[error(transparent)]
     Retarget(#[from] RetargetError),
+    /// The transform has no derivatives.
+    #[error("learn.method is gradient, and {0}")]
+    NoDerivative(#[from] NoDerivative),
     /// A step to redo does not fit: it is of another run.
     #[error("step {step} is not of this run: {reason}")]
     Step {

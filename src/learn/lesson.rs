@@ -4,11 +4,14 @@ use std::sync::Arc;
 
 use super::{LearnError, LearnSettings};
 use crate::demonstration::{Demonstration, Hands};
-use crate::geometry::Point;
+use crate::geometry::{Point, Vector};
 use crate::mesh::{Edge, InitialEdges, Pair};
 use crate::predict::{PredictSettings, Problem, edge_for_hands};
 use crate::retarget::{Prepared, Retargeter, Variation};
 use crate::skeleton::{JointId, Part};
+
+/// How far from its limit a solve may be whose slope is taken `[m]`.
+const CONVERGED: f64 = 1e-7;
 
 /// A retargeting with what the person in the robot's role really did, and every candidate edge in
 /// its mesh.
@@ -142,6 +145,33 @@ impl Lesson {
         let weights = if on { Some(self.kernel(candidate)) } else { None };
         self.prepared.solve_with(edge, weights, room)?;
         Ok(self.distance_of(room.solved()))
+    }
+
+    /// The distance `[m]` of the converged solve as the edges stand, and its derivative by every
+    /// candidate's factors: `candidates × phases`.
+    ///
+    /// # Errors
+    /// [`LearnError::Retarget`], [`LearnError::NoDerivative`].
+    pub(super) fn slopes(&self, phases: usize) -> Result<(f64, Vec<f64>), LearnError> {
+        let mut room = self.room();
+        self.prepared.converge(CONVERGED, &mut room)?;
+        let off = room.solved().iter().zip(&self.truth).zip(&self.weights);
+        // Where there is no error any more every direction is as good.
+        let slope = off.map(|((a, b), weight)| {
+            let off = a - b;
+            off * (weight / off.norm().max(f64::MIN_POSITIVE))
+        });
+        let slope: Vec<Vector> = slope.collect();
+        let distance = self.distance_of(room.solved());
+        let by_weight = self.prepared.slopes(&slope, &self.edges, &mut room)?;
+        let mut slopes = vec![0.0; self.edges.len() * phases];
+        let by_edge = by_weight.chunks_exact(self.frames()).zip(self.kernel.chunks_exact(self.frames()));
+        for (candidate, (by_weight, kernel)) in by_edge.enumerate() {
+            for ((slope, kernel), phase) in by_weight.iter().zip(kernel).zip(&self.phases) {
+                slopes[candidate * phases + phase] += slope * kernel;
+            }
+        }
+        Ok((distance, slopes))
     }
 
     /// `Σᵢ ωᵢ ‖vᵢ − v'ᵢ‖` `[m]` of `frames × vertices` positions (Thai 2014, eq. 3.9).

@@ -59,8 +59,9 @@ impl Lessons {
         let settings = &settings.with_own_phases();
         let demonstrations = predictor.demonstrations();
         assert_eq!(demonstrations.len(), groups.len(), "one group per demonstration");
-        let has_others = |at: &usize| groups.iter().any(|group| *group != groups[*at]);
-        let usable: Vec<usize> = (0..demonstrations.len()).filter(has_others).collect();
+        let met = met(demonstrations);
+        let has_others = |at: &usize| met.iter().any(|other| groups[*other] != groups[*at]);
+        let usable: Vec<usize> = met.iter().copied().filter(has_others).collect();
         let chosen = spread(demonstrations, &usable, 2 * settings.references);
         let first = demonstrations.first().ok_or(LearnError::NoLessons)?;
         let hands = usual_hands(demonstrations).ok_or(LearnError::NoLessons)?;
@@ -70,7 +71,8 @@ impl Lessons {
             .into_par_iter()
             .map(|at| {
                 let others = |other: usize| groups[other] != groups[at];
-                let from = farthest(demonstrations, at, others).ok_or(LearnError::NoLessons)?;
+                let sources = |other: usize| others(other) && met.contains(&other);
+                let from = farthest(demonstrations, at, sources).ok_or(LearnError::NoLessons)?;
                 let problem = predictor.practice(at, from, others)?;
                 let named = (candidates.as_slice(), hands);
                 let (truth, predict) = (&demonstrations[at], predictor.settings());
@@ -253,6 +255,17 @@ fn contact_place(demonstration: &Demonstration) -> Vector {
     demonstration
         .observation()
         .gap_in_heading(contact.frame, partner.position(contact.frame, hand) - base)
+}
+
+/// Demonstrations whose hands came about as near as people's do: at most twice as far apart as in
+/// the middle one. A sensor that lost a hand shows two that never meet, and the farthest of all
+/// would be just those.
+fn met(demonstrations: &[Arc<Demonstration>]) -> Vec<usize> {
+    let mut distances: Vec<f64> = demonstrations.iter().map(|d| d.contact().distance).collect();
+    distances.sort_by(f64::total_cmp);
+    let middle = distances.get((distances.len().max(1) - 1) / 2).copied().unwrap_or(0.0);
+    let near = |at: &usize| demonstrations[*at].contact().distance <= 2.0 * middle;
+    (0..demonstrations.len()).filter(near).collect()
 }
 
 /// Of the allowed demonstrations with the same hands (of all, where there are none) the one whose

@@ -8,14 +8,18 @@
 //! reference (Thai 2014, eq. 3.9), its mean over the references where there are several.
 
 mod climb;
+mod descent;
 mod error;
 mod lesson;
 mod lessons;
+mod record;
 mod search;
 mod settings;
 
+pub use descent::DescentState;
 pub use error::LearnError;
 pub use lesson::Lesson;
 pub use lessons::{Lessons, Room};
-pub use search::{Move, Search, Step};
+pub use record::RecordError;
+pub use search::{Move, Search, Step, learn};
 pub use settings::{LearnMethod, LearnSettings};

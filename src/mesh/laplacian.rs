@@ -111,6 +111,16 @@ impl InteractionMesh {
         self.positions.len() / self.topology.pair().len()
     }
 
+    /// `Σⱼ wᵢⱼ` `[-]` of a space-time vertex.
+    pub fn total_weight(&self, vertex: usize) -> f64 {
+        let vertices = self.topology.pair().len();
+        let (frame, joint) = (vertex / vertices, vertex % vertices);
+        let spatial = self.weights.frame(frame);
+        let in_time = u8::from(frame > 0) + u8::from(frame + 1 < self.frames());
+        self.topology.neighbours(joint).map(|(_, edge)| spatial[edge]).sum::<f64>()
+            + self.weights.time() * f64::from(in_time)
+    }
+
     /// Calls `visit(neighbour, w̄)` for the neighbours of a space-time vertex, rising: the frame
     /// before, the frame's own, the frame after. The `w̄` sum to 1.
     pub fn for_each_neighbour(&self, vertex: usize, mut visit: impl FnMut(usize, f64)) {
@@ -119,9 +129,7 @@ impl InteractionMesh {
         let spatial = self.weights.frame(frame);
         let (past, future) = (frame > 0, frame + 1 < self.frames());
         let time = self.weights.time();
-        let total: f64 =
-            self.topology.neighbours(joint).map(|(_, edge)| spatial[edge]).sum::<f64>()
-                + time * f64::from(u8::from(past) + u8::from(future));
+        let total = self.total_weight(vertex);
         // A lone frame of a vertex without weight of its own has no neighbours at all.
         let scale = if total > 0.0 { 1.0 / total } else { 0.0 };
         if past {

@@ -67,7 +67,7 @@ impl Pair {
     }
 
     /// All of a person's vertices, in joint order.
-    pub fn vertices(&self, role: Role) -> impl ExactSizeIterator<Item = Vertex> + Clone + use<> {
+    pub fn vertices(&self, role: Role) -> impl DoubleEndedIterator<Item = Vertex> + ExactSizeIterator + Clone + use<> {
         let first = self.offset(role) as u16;
         (first..first + self.skeletons[role as usize].len() as u16).map(Vertex)
     }

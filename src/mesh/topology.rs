@@ -22,6 +22,11 @@ impl Edge {
         [self.0, self.1]
     }
 
+    /// `person/joint` of both ends, by the names of the people.
+    pub fn names(self, pair: &Pair, people: [&str; 2]) -> [String; 2] {
+        self.ends().map(|end| pair.name(end, people))
+    }
+
     /// Whether it joins the two people.
     pub fn is_interperson(self, pair: &Pair) -> bool {
         pair.role(self.0) != pair.role(self.1)

@@ -86,6 +86,31 @@ impl BandMatrix {
         row * (self.reach + BLOCK) + column + self.reach - (row - row % BLOCK)
     }
 
+    /// The product with `W` columns at once, of the matrix itself: before [`Self::factor`].
+    ///
+    /// # Panics
+    /// If there is not one row per unknown.
+    pub fn multiply<const W: usize>(&self, x: &[[f64; W]]) -> Vec<[f64; W]> {
+        assert_eq!(x.len(), self.size, "one row per unknown");
+        let width = self.reach + BLOCK;
+        let mut product = vec![[0.0; W]; self.size];
+        for row in 0..self.size {
+            let (first, start) = self.first_of(row);
+            let values = &self.values[row * width + start..][..row - first];
+            let mut sum = x[row].map(|x| x * self.get(row, row));
+            for (column, value) in (first..).zip(values) {
+                for w in 0..W {
+                    sum[w] += value * x[column][w];
+                    product[column][w] += value * x[row][w];
+                }
+            }
+            for w in 0..W {
+                product[row][w] += sum[w];
+            }
+        }
+        product
+    }
+
     /// Replaces the matrix by its factor `L`.
     ///
     /// # Errors

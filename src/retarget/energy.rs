@@ -1,8 +1,10 @@
 //! What the steps bring down: the energy, and the bones' misses.
 
+use nalgebra::Matrix3;
+
 use super::settings::{Constraint, Transform};
 use super::solve::{Retargeter, Workspace};
-use crate::geometry::{Point, Vector};
+use crate::geometry::{Point, Vector, closest_rotation};
 use crate::mesh::InteractionMesh;
 
 impl Retargeter {
@@ -18,7 +20,8 @@ impl Retargeter {
     /// The energy `[m²]` of `positions` with true bones: what the steps bring down.
     ///
     /// Takes the coefficients and, for `local_global`, the rotations of the last
-    /// [`Self::assemble`] and [`Self::solve`] in `workspace`. Soft constraints and open bones
+    /// [`Self::assemble`] and [`Self::solve`] in `workspace`; neighbourhoods without an unknown,
+    /// which a solve never turns, count at their best rotation. Soft constraints and open bones
     /// count, bones between fixed joints do not.
     ///
     /// # Panics
@@ -49,16 +52,32 @@ impl Retargeter {
                         row.map(|(e, c)| workspace.blocks[e] * positions[c].coords).sum();
                     off.norm_squared()
                 }
-                Transform::LocalGlobal => row
-                    .filter(|(_, column)| *column != vertex)
-                    .map(|(entry, column)| {
-                        let edge = workspace.reference[vertex] - workspace.reference[column];
-                        let off = positions[vertex]
-                            - positions[column]
-                            - workspace.rotations[vertex] * edge;
-                        -workspace.coefficients[entry] * off.norm_squared()
-                    })
-                    .sum(),
+                Transform::LocalGlobal => {
+                    let edges = || {
+                        self.pattern.row(vertex).filter(|(_, column)| *column != vertex).map(
+                            |(entry, column)| {
+                                let before =
+                                    workspace.reference[vertex] - workspace.reference[column];
+                                let now = positions[vertex] - positions[column];
+                                (-workspace.coefficients[entry], before, now)
+                            },
+                        )
+                    };
+                    let best = || {
+                        let terms = edges().map(|(weight, before, now)| {
+                            let covariance: Matrix3<f64> = weight * now * before.transpose();
+                            covariance
+                        });
+                        closest_rotation(&terms.sum())
+                    };
+                    let turned = workspace.neighbourhoods.rotation(vertex);
+                    let rotation = turned.unwrap_or_else(best);
+                    edges()
+                        .map(|(weight, before, now)| {
+                            weight * (now - rotation * before).norm_squared()
+                        })
+                        .sum()
+                }
             };
         }
         let constraints = self.pattern.constraints.iter().zip(targets).zip(positions);

@@ -16,10 +16,21 @@ const STRAIGHT: f64 = 1e-10;
 
 /// The linear map from a neighbourhood's new places to its `Tᵢ δᵢ`.
 pub(super) struct Similarity {
+    /// `Σ w̄ q·q`.
+    size: f64,
+    /// `J⁻¹`.
+    inverse: Matrix3<f64>,
     /// `δ / Σ w̄ q·q`.
     stretch: Vector,
     /// `[δ]ₓ J⁻¹`.
     turn: Matrix3<f64>,
+}
+
+/// What changes with a neighbour's weight: `∂/∂w` of centroid, `δ` and `Σ w̄ q qᵀ`.
+pub(super) struct SimilarityChange {
+    pub(super) centroid: Vector,
+    pub(super) delta: Vector,
+    pub(super) spread: Matrix3<f64>,
 }
 
 impl Similarity {
@@ -32,8 +43,38 @@ impl Similarity {
         }
         let size = spread.trace();
         let stretch = if size > 0.0 { delta / size } else { Vector::zeros() };
-        let inertia = Matrix3::identity() * size - spread;
-        Self { stretch, turn: delta.cross_matrix() * pseudo_inverse(&inertia) }
+        let inverse = pseudo_inverse(&(Matrix3::identity() * size - spread));
+        Self { size, inverse, stretch, turn: delta.cross_matrix() * inverse }
+    }
+
+    /// `T δ` of places whose moments are known: `Σ w̄ q·v'` and `Σ w̄ q × v'`.
+    pub(super) fn apply(&self, along: f64, around: Vector) -> Vector {
+        self.stretch * along - self.turn * around
+    }
+
+    /// `∂(T δ)/∂w` of the similarity itself and its arms `q`, the moments' own weights staying.
+    ///
+    /// - `along`, `around`: as [`Self::apply`] takes them.
+    /// - `sum`: `Σ w̄ v'`.
+    ///
+    /// Where the neighbourhood is straight its roll, which is unknown, is taken to stay so.
+    pub(super) fn changed(
+        &self,
+        change: &SimilarityChange,
+        delta: Vector,
+        (along, around): (f64, Vector),
+        sum: Vector,
+    ) -> Vector {
+        if self.size <= 0.0 {
+            return Vector::zeros();
+        }
+        let size = change.spread.trace();
+        let inertia = Matrix3::identity() * size - change.spread;
+        let stretch = change.delta / self.size - delta * (size / (self.size * self.size));
+        let turn = change.delta.cross_matrix() * self.inverse
+            - delta.cross_matrix() * self.inverse * inertia * self.inverse;
+        stretch * along - turn * around
+            - self.apply(change.centroid.dot(&sum), change.centroid.cross(&sum))
     }
 
     /// The 3×3 block by which a neighbour at `q` `[m]` with weight `w̄` moves `Tᵢ δᵢ`.

@@ -10,19 +10,23 @@
 //! [`Retargeter::assemble`] (a mesh: its numbers) → [`Retargeter::factor`] →
 //! [`Retargeter::solve`] (targets) → [`project_bones`] where bones must be exact.
 
+mod adjoint;
 mod band;
 mod bones;
 mod energy;
 mod error;
 mod fill;
 mod implicit;
+mod neighbourhoods;
 mod prepared;
 mod pull;
 mod rotations;
+mod row_slopes;
 mod settings;
 mod solve;
 mod system;
 
+pub use adjoint::NoDerivative;
 pub use band::{BandMatrix, NotPositiveDefinite};
 pub use bones::project_bones;
 pub use error::RetargetError;

@@ -1,8 +1,5 @@
 //! The right-hand side: what targets, known joints and rotations pull the unknowns towards.
 
-use nalgebra::Matrix3;
-
-use super::rotations::best_rotation;
 use super::settings::Constraint;
 use super::solve::{Retargeter, Workspace};
 use crate::geometry::{Point, Vector};
@@ -65,49 +62,22 @@ impl Retargeter {
         }
     }
 
-    pub(super) fn reset_rotations(&self, workspace: &mut Workspace) {
-        let Workspace { coefficients, rotations, sizes, reference, .. } = workspace;
-        rotations.fill(Matrix3::identity());
-        for (vertex, size) in sizes.iter_mut().enumerate() {
-            let edges = self.pattern.row(vertex).filter(|(_, column)| *column != vertex);
-            *size = edges
-                .map(|(entry, column)| {
-                    -coefficients[entry] * (reference[vertex] - reference[column]).norm_squared()
-                })
-                .sum();
-        }
-    }
-
-    /// The local step: every neighbourhood's rotation, and its pull on the next solve.
-    pub(super) fn turn(&self, workspace: &mut Workspace, positions: &[Point]) {
-        let Workspace { coefficients, rotations, sizes, reference, rhs, .. } = workspace;
-        let memory = self.settings.rotation_memory;
-        for (vertex, rotation) in rotations.iter_mut().enumerate() {
-            let edges = || {
-                self.pattern.row(vertex).filter(|(_, column)| *column != vertex).map(
-                    |(entry, column)| {
-                        (column, -coefficients[entry], reference[vertex] - reference[column])
-                    },
-                )
-            };
-            let mut covariance = *rotation * (memory * sizes[vertex]);
-            for (column, weight, edge) in edges() {
-                let turned = positions[vertex] - positions[column];
-                covariance += turned * (weight * edge).transpose();
-            }
-            *rotation = best_rotation(&covariance, rotation);
-            let own = self.pattern.unknown(vertex);
-            for (column, weight, edge) in edges() {
-                let (turned, other) = (*rotation * edge, self.pattern.unknown(column));
-                let weight = self.settings.laplacian_weight * weight;
-                if let Some(at) = own {
-                    let known = other.map_or(positions[column].coords, |_| Vector::zeros());
-                    rhs[at] += weight * (turned + known);
-                }
-                if let Some(at) = other {
-                    let known = own.map_or(positions[vertex].coords, |_| Vector::zeros());
-                    rhs[at] += weight * (known - turned);
-                }
+    /// Adds what known ends of a row's edges hold the unknown ones to, in the edge form.
+    pub(super) fn pull_of_edge_row(
+        &self,
+        targets: &[Point],
+        vertex: usize,
+        w_l: f64,
+        workspace: &mut Workspace,
+    ) {
+        let Workspace { coefficients, constant, .. } = workspace;
+        let own = self.pattern.unknown(vertex);
+        for (entry, column) in self.pattern.row(vertex).filter(|(_, c)| *c != vertex) {
+            let weight = -w_l * coefficients[entry];
+            match (own, self.pattern.unknown(column)) {
+                (Some(at), None) => constant[at] += weight * targets[column].coords,
+                (None, Some(at)) => constant[at] += weight * targets[vertex].coords,
+                _ => {}
             }
         }
     }

@@ -6,6 +6,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::band::BandMatrix;
 use super::error::RetargetError;
+use super::neighbourhoods::Neighbourhoods;
 use super::settings::{Constraint, RetargetSettings, Start, Transform};
 use super::system::Pattern;
 use crate::geometry::{Point, Vector, is_finite, rigid_alignment};
@@ -72,9 +73,8 @@ pub struct Workspace {
     pub(super) stacked: Vec<[f64; 1]>,
     /// The demonstration where the first iterate stands.
     pub(super) reference: Vec<Point>,
-    pub(super) rotations: Vec<Matrix3<f64>>,
-    /// `local_global`: `Σⱼ w̄ᵢⱼ‖eᵢⱼ‖²`.
-    pub(super) sizes: Vec<f64>,
+    /// `local_global`: what is turned in every step.
+    pub(super) neighbourhoods: Neighbourhoods,
 }
 
 impl Workspace {
@@ -133,13 +133,13 @@ impl Retargeter {
     pub fn workspace(&self) -> Workspace {
         let (entries, unknowns) = (self.pattern.entries(), self.pattern.unknown_count);
         let vertices = self.pattern.constraints.len();
-        let (axes, scalars, blocks, turning) = match self.settings.transform {
-            Transform::None => (1, entries, 0, 0),
-            Transform::Implicit => (3, entries, entries, 0),
-            Transform::LocalGlobal => (1, entries, 0, vertices),
+        let (axes, blocks, turned) = match self.settings.transform {
+            Transform::None => (1, 0, [0, 0]),
+            Transform::Implicit => (3, entries, [0, 0]),
+            Transform::LocalGlobal => (1, 0, [vertices, entries]),
         };
         Workspace {
-            coefficients: vec![0.0; scalars],
+            coefficients: vec![0.0; entries],
             blocks: vec![Matrix3::zeros(); blocks],
             matrix: self.pattern.matrix(axes),
             constant: vec![Vector::zeros(); unknowns],
@@ -147,8 +147,7 @@ impl Retargeter {
             columns: vec![[0.0; 4]; if axes == 1 { unknowns } else { 0 }],
             stacked: vec![[0.0; 1]; if axes == 3 { 3 * unknowns } else { 0 }],
             reference: vec![Point::origin(); vertices],
-            rotations: vec![Matrix3::identity(); turning],
-            sizes: vec![0.0; turning],
+            neighbourhoods: Neighbourhoods::new(turned[0], turned[1]),
         }
     }
 
@@ -210,8 +209,7 @@ impl Retargeter {
         match self.settings.transform {
             Transform::None => self.pull_of_scalar_row(mesh, targets, vertex, w_l, workspace),
             Transform::Implicit => self.pull_of_block_row(targets, vertex, w_l, workspace),
-            // Its pull turns with every step.
-            Transform::LocalGlobal => {}
+            Transform::LocalGlobal => self.pull_of_edge_row(targets, vertex, w_l, workspace),
         }
     }
 
@@ -284,7 +282,9 @@ impl Retargeter {
             }
         }
         if self.settings.transform == Transform::LocalGlobal {
-            self.reset_rotations(workspace);
+            let Workspace { neighbourhoods, coefficients, reference, .. } = workspace;
+            let memory = self.settings.rotation_memory;
+            neighbourhoods.pack(&self.pattern, coefficients, reference, memory);
         }
         let mut residual = Residual { steps: 0, last_step: f64::INFINITY, bones: 0.0 };
         while residual.steps < self.settings.steps && residual.last_step > self.settings.tolerance {
@@ -297,17 +297,16 @@ impl Retargeter {
 
     /// One linear solve with the bones (and rotations) of the last iterate; how far it moved.
     fn step(&self, lengths: &[f64], workspace: &mut Workspace, out: &mut [Point]) -> f64 {
-        let Workspace { rhs, constant, .. } = &mut *workspace;
+        let Workspace { matrix, constant, rhs, columns, stacked, neighbourhoods, .. } = workspace;
         rhs.copy_from_slice(constant);
-        if self.settings.transform == Transform::LocalGlobal {
-            self.turn(workspace, out);
-        }
-        let Workspace { matrix, rhs, columns, stacked, .. } = workspace;
         let bone_weight = self.settings.bone_weight;
         self.pattern.bone_pull(out, lengths, bone_weight, |at, pull| rhs[at] += pull);
         if stacked.is_empty() {
             for (column, pull) in columns.iter_mut().zip(&*rhs) {
                 *column = [pull.x, pull.y, pull.z, 0.0];
+            }
+            if self.settings.transform == Transform::LocalGlobal {
+                neighbourhoods.turn(out, self.settings.laplacian_weight, columns);
             }
             matrix.solve(columns);
         } else {

@@ -45,7 +45,9 @@ pub(crate) struct Global {
 pub(crate) enum Command {
     /// Turn recordings of any known format into CSV
     Import(Import),
-    /// Retarget a recording's robot role from demonstrations
+    /// Learn a model: which edges between the people a movement needs
+    Learn(Learn),
+    /// Retarget a recording's robot role from demonstrations or a model
     Replay(Replay),
     /// Measure all methods against what people did
     Evaluate(Evaluate),
@@ -54,10 +56,11 @@ pub(crate) enum Command {
 }
 
 impl Command {
-    /// Options that stand for parameters.
-    pub(crate) fn settings(&self) -> Vec<(String, String)> {
+    /// Options that stand for parameters, and win over `--set`.
+    pub(crate) fn parameters(&self) -> Vec<(String, String)> {
         match self {
-            Self::Evaluate(evaluate) => evaluate.learning.settings().collect(),
+            Self::Learn(learn) => learn.learning.parameters(),
+            Self::Evaluate(evaluate) => evaluate.learning.parameters(),
             Self::Import(_) | Self::Replay(_) | Self::Check(_) => Vec::new(),
         }
     }
@@ -78,14 +81,51 @@ pub(crate) struct Import {
     pub(crate) selection: Selection,
 }
 
-/// Retarget a recording's robot role from demonstrations.
+/// Learn a model: which edges between the people a movement needs.
+///
+/// Some demonstrations are retargeted from others, whose right answer is known; edges are added or
+/// taken away, each time the one that brings the robot's joints nearest to it, until none does.
+/// Others are held out and only say how well the edges serve them. The model holds the
+/// demonstrations, the edges and all parameters; the order of the files and the number of threads
+/// change no byte of it.
+///
+/// With --log each step is written down as soon as it is taken; a run that was broken off goes on
+/// with --resume, and ends as if it had not been.
+#[derive(Debug, Args)]
+pub(crate) struct Learn {
+    /// Demonstrations, or folders searched for demonstrations (.csv, .txt)
+    #[arg(value_name = "DEMO", required = true)]
+    pub(crate) demonstrations: Vec<PathBuf>,
+    /// Write the model here (.safetensors)
+    #[arg(long, short, value_name = "MODEL")]
+    pub(crate) out: PathBuf,
+    /// The person the robot stands in for [default: giver, else B]
+    #[arg(long, value_name = "R")]
+    pub(crate) role: Option<String>,
+    #[command(flatten)]
+    pub(crate) learning: Learning,
+    /// Clips with this metadata in common never learn from each other, e.g. pair
+    #[arg(long, value_name = "KEY")]
+    pub(crate) group: Option<String>,
+    /// Write each step down as a line of JSON as soon as it is taken; a new file
+    #[arg(long, value_name = "STEPS")]
+    pub(crate) log: Option<PathBuf>,
+    /// Go on from the steps of --log, which must be of the same recordings and parameters
+    #[arg(long, requires = "log")]
+    pub(crate) resume: bool,
+    #[command(flatten)]
+    pub(crate) selection: Selection,
+}
+
+/// Retarget a recording's robot role from demonstrations or a model.
 ///
 /// The robot sees the partner's whole motion and where its own base is; what the person in its
 /// role really did is only what the result is measured against. A recording that lies among the
-/// demonstrations is left out of them.
+/// demonstrations is left out of them. A model brings its edges, parameters and role along;
+/// without one, the edges of `mesh` are learned first.
 #[derive(Debug, Args)]
 pub(crate) struct Replay {
-    /// A demonstration, or a folder searched for demonstrations
+    /// A demonstration, a folder searched for demonstrations, or a model (.safetensors)
     #[arg(value_name = "DEMO")]
     pub(crate) demonstrations: PathBuf,
     /// The recording to replay
@@ -94,7 +134,7 @@ pub(crate) struct Replay {
     /// Write the recording with the robot's joints in its role's place (.csv)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) out: Option<PathBuf>,
-    /// The person the robot stands in for [default: giver, else B]
+    /// The person the robot stands in for [default: the model's; else giver, else B]
     #[arg(long, value_name = "R")]
     pub(crate) role: Option<String>,
     /// How the robot's joints are found
@@ -150,21 +190,22 @@ pub(crate) struct Evaluate {
 /// How the edges between the people are learned.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct Learning {
-    /// How the edges of `mesh` are searched for [default: learn.method]
-    #[arg(long, value_name = "M",
+    /// How edges are searched for [default: learn.method, which is grow]
+    #[arg(long, value_name = "METHOD",
           value_parser = PossibleValuesParser::new(LearnMethod::ALL.map(LearnMethod::name)))]
     pub(crate) method: Option<String>,
-    /// How edges between the people weigh [default: mesh.kernel]
-    #[arg(long, value_name = "K",
-          value_parser = PossibleValuesParser::new(["uniform", "inverse_distance"]))]
+    /// How an edge's weight follows from its length [default: mesh.kernel, which is
+    /// inverse_distance]
+    #[arg(long, value_name = "KERNEL", value_parser = ["uniform", "inverse_distance"])]
     pub(crate) kernel: Option<String>,
 }
 
 impl Learning {
-    /// The same as settings, which win over the file's and over those of `--set`.
-    pub(crate) fn settings(&self) -> impl Iterator<Item = (String, String)> + '_ {
-        let values = [("learn.method", &self.method), ("mesh.kernel", &self.kernel)];
-        values.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value.clone()?)))
+    /// The parameters that the options stand for.
+    fn parameters(&self) -> Vec<(String, String)> {
+        let options = [("learn.method", &self.method), ("mesh.kernel", &self.kernel)];
+        let given = options.into_iter().filter_map(|(key, value)| Some((key, value.clone()?)));
+        given.map(|(key, value)| (key.to_owned(), value)).collect()
     }
 }
 

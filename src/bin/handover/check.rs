@@ -22,7 +22,7 @@ pub(crate) fn run(check: &Check, output: &Output) -> anyhow::Result<Outcome> {
     let (parameters, others): (Vec<PathBuf>, Vec<PathBuf>) =
         check.files.iter().cloned().partition(|path| parameters::is_named_so(path));
     let (models, recordings): (Vec<PathBuf>, Vec<PathBuf>) =
-        others.into_iter().partition(|path| model::is_named_so(path));
+        others.into_iter().partition(|path| files::is_model(path));
     let files = match recordings.as_slice() {
         [] => Vec::new(),
         recordings => files::read_all(recordings, &check.selection, output)?,

@@ -4,10 +4,11 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::bail;
+use handover_mesh::Config;
 use handover_mesh::demonstration::Demonstration;
 use handover_mesh::mesh::Pair;
-use handover_mesh::{Config, Recording};
 
+use crate::UsageError;
 use crate::args::Selection;
 use crate::files;
 use crate::output::Output;
@@ -18,6 +19,8 @@ const DEFAULT_ROLES: [&str; 2] = ["giver", "B"];
 /// Demonstrations, and how many recordings were left out (each has been named).
 pub(crate) struct Loaded {
     pub(crate) demonstrations: Vec<Arc<Demonstration>>,
+    /// SHA-256 of the file of each demonstration: 64 hexadecimal digits.
+    pub(crate) hashes: Vec<String>,
     pub(crate) role: String,
     pub(crate) left_out: usize,
     /// Whether the very first recording is one of those left out.
@@ -35,8 +38,48 @@ pub(crate) fn load(
     config: &Config,
     output: &Output,
 ) -> anyhow::Result<Loaded> {
-    let files::Demonstrations { recordings, bad, first_is_bad } =
-        files::load(paths, selection, output)?;
+    let read = files::load(paths, selection, output)?;
+    take(read, role, config, output)
+}
+
+/// The same in an order that is not that of the arguments: by name. Of recordings that hold the
+/// same, only the first is taken, as one must not learn from itself; that is no loss.
+///
+/// # Errors
+/// As [`load`].
+pub(crate) fn load_sorted(
+    paths: &[PathBuf],
+    role: Option<&str>,
+    selection: &Selection,
+    config: &Config,
+    output: &Output,
+) -> anyhow::Result<Loaded> {
+    let mut read = files::load(paths, selection, output)?;
+    let order =
+        |loaded: &files::Loaded| (loaded.recording.name().to_owned(), loaded.sha256.clone());
+    read.recordings.sort_by_cached_key(order);
+    let mut once: Vec<files::Loaded> = Vec::new();
+    for loaded in read.recordings {
+        let same = |known: &&files::Loaded| {
+            known.sha256 == loaded.sha256 || known.recording.people() == loaded.recording.people()
+        };
+        if let Some(known) = once.iter().find(same) {
+            let (name, known) = (loaded.recording.name(), known.recording.name());
+            output.note(&format!("left out: {name} holds the same as {known}"));
+        } else {
+            once.push(loaded);
+        }
+    }
+    take(files::Demonstrations { recordings: once, ..read }, role, config, output)
+}
+
+fn take(
+    read: files::Demonstrations,
+    role: Option<&str>,
+    config: &Config,
+    output: &Output,
+) -> anyhow::Result<Loaded> {
+    let files::Demonstrations { recordings, bad, first_is_bad } = read;
     files::name_bad(&bad, output);
     let mut left_out = bad.len();
     if recordings.is_empty() {
@@ -46,21 +89,21 @@ pub(crate) fn load(
         Some(role) => role.to_owned(),
         None => default_role(&recordings)?,
     };
-    let first = recordings[0].name().to_owned();
-    let mut demonstrations: Vec<Arc<Demonstration>> = Vec::new();
+    let first = recordings[0].recording.name().to_owned();
+    let mut taken: Vec<(Arc<Demonstration>, String)> = Vec::new();
     let mut leave_out = |why: String| {
         output.problem(&format!("left out: {why}"));
         left_out += 1;
     };
-    for recording in recordings {
+    for files::Loaded { recording, sha256, .. } in recordings {
         match Demonstration::new(Arc::new(recording), &role, &config.base_joint) {
-            Ok(demonstration) => demonstrations.push(Arc::new(demonstration)),
+            Ok(demonstration) => taken.push((Arc::new(demonstration), sha256)),
             Err(error) => leave_out(error.to_string()),
         }
     }
     let kind = |d: &Demonstration| (d.robot_role(), Pair::of(d.recording()));
-    if let Some(usual) = most_common(demonstrations.iter().map(|d| kind(d))) {
-        demonstrations.retain(|demonstration| {
+    if let Some(usual) = most_common(taken.iter().map(|(d, _)| kind(d))) {
+        taken.retain(|(demonstration, _)| {
             let same = kind(demonstration) == usual;
             if !same {
                 let name = demonstration.recording().name();
@@ -71,12 +114,36 @@ pub(crate) fn load(
             same
         });
     }
-    if demonstrations.is_empty() {
+    if taken.is_empty() {
         bail!("no recording is left to work with");
     }
     // Names are distinct.
-    let first_left_out = first_is_bad || demonstrations[0].recording().name() != first;
-    Ok(Loaded { demonstrations, role, left_out, first_left_out })
+    let first_left_out = first_is_bad || taken[0].0.recording().name() != first;
+    let (demonstrations, hashes) = taken.into_iter().unzip();
+    Ok(Loaded { demonstrations, hashes, role, left_out, first_left_out })
+}
+
+/// Who never learns from whom: each demonstration's value of a metadata key, else its scene.
+///
+/// # Errors
+/// [`UsageError`] if a recording lacks the key.
+pub(crate) fn groups(
+    demonstrations: &[Arc<Demonstration>],
+    key: Option<&str>,
+) -> anyhow::Result<Vec<String>> {
+    let group = |demonstration: &Arc<Demonstration>| {
+        let recording = demonstration.recording();
+        let Some(key) = key else { return Ok(recording.scene().to_owned()) };
+        let Some(group) = recording.metadata().get(key) else {
+            bail!(UsageError(format!(
+                "{}: no metadata '{key}' to group by (hint: a CSV says it in a line '# {key}=…' \
+                 above its header)",
+                recording.name()
+            )));
+        };
+        Ok(group.clone())
+    };
+    demonstrations.iter().map(group).collect()
 }
 
 /// The value that occurs most often, the first of equals; `None` of nothing.
@@ -95,13 +162,11 @@ fn most_common<T: PartialEq>(values: impl Iterator<Item = T>) -> Option<T> {
         .map(|(v, _)| v)
 }
 
-fn default_role(recordings: &[Recording]) -> anyhow::Result<String> {
-    let has = |role: &&str| recordings.iter().any(|recording| recording.role(role).is_some());
+fn default_role(recordings: &[files::Loaded]) -> anyhow::Result<String> {
+    let has = |role: &&str| recordings.iter().any(|loaded| loaded.recording.role(role).is_some());
     let Some(role) = DEFAULT_ROLES.iter().find(|role| has(role)) else {
-        let names: Vec<&str> = recordings
-            .first()
-            .map(|recording| recording.people().iter().map(|p| p.name.as_str()).collect())
-            .unwrap_or_default();
+        let people = recordings.first().map(|loaded| loaded.recording.people());
+        let names: Vec<&str> = people.into_iter().flatten().map(|p| p.name.as_str()).collect();
         bail!("which person is the robot? name one with --role: {}", names.join(" or "));
     };
     Ok((*role).to_owned())

@@ -12,7 +12,7 @@ use crate::args::{Evaluate, Protocol};
 use crate::demonstrations::{self, Loaded};
 use crate::output::Output;
 use crate::progress::Progress;
-use crate::{Outcome, UsageError, files, plot, tables, thesis};
+use crate::{Outcome, files, plot, tables, thesis};
 
 /// Loads, evaluates, prints.
 pub(crate) fn run(
@@ -25,18 +25,9 @@ pub(crate) fn run(
     files::check_out(arguments.plot.as_deref(), "svg", demonstrations)?;
     thesis::check(arguments)?;
     let role = arguments.role.as_deref();
-    let Loaded { demonstrations, role, left_out, first_left_out } =
+    let Loaded { demonstrations, role, left_out, first_left_out, .. } =
         demonstrations::load(demonstrations, role, selection, config, output)?;
-    let groups = demonstrations.iter().map(|demonstration| {
-        let recording = demonstration.recording();
-        let Some(key) = &arguments.group else { return Ok(recording.scene().to_owned()) };
-        let Some(group) = recording.metadata().get(key) else {
-            bail!(UsageError(format!("{}: no metadata '{key}' to group by (hint: a CSV says it in a line '# {key}=…' above its header)",
-                recording.name())));
-        };
-        Ok(group.clone())
-    });
-    let groups: Vec<String> = groups.collect::<anyhow::Result<_>>()?;
+    let groups = demonstrations::groups(&demonstrations, arguments.group.as_deref())?;
     let settings = EvaluateSettings {
         methods: methods(&arguments.methods),
         folds: arguments.folds.map_or(config.folds, |folds| folds as usize),

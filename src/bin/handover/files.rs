@@ -22,7 +22,7 @@ use crate::progress::Progress;
 use names::{Place, distinct_names};
 use search::Found;
 pub(crate) use search::about;
-pub(crate) use write::{check_out, write, write_text};
+pub(crate) use write::{check_out, check_place, write, write_bytes, write_text};
 
 /// No recording or model is as large; what claims to be must not fill the memory.
 const LARGEST: u64 = 1 << 29;
@@ -63,7 +63,7 @@ pub(crate) struct BadFile {
 #[derive(Debug)]
 pub(crate) struct Demonstrations {
     /// Each under a name of its own.
-    pub(crate) recordings: Vec<Recording>,
+    pub(crate) recordings: Vec<Loaded>,
     pub(crate) bad: Vec<BadFile>,
     /// Whether the first of all files is one of them.
     pub(crate) first_is_bad: bool,
@@ -83,7 +83,7 @@ pub(crate) fn load(
     let first_is_bad = files.first().is_some_and(|file| file.outcome.is_err());
     for ReadFile { path, outcome } in files {
         match outcome {
-            Ok(loaded) => recordings.push(loaded.recording),
+            Ok(loaded) => recordings.push(loaded),
             Err(faults) => bad.push(BadFile { path, faults }),
         }
     }
@@ -165,6 +165,11 @@ fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
+/// Whether a file's ending says that it holds a model.
+pub(crate) fn is_model(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("safetensors"))
+}
+
 /// A model file.
 ///
 /// # Errors
@@ -185,7 +190,11 @@ pub(crate) fn text(path: &Path) -> Result<String, Vec<Fault>> {
     String::from_utf8(bytes(path)?).map_err(not_text)
 }
 
-fn bytes(path: &Path) -> Result<Vec<u8>, Vec<Fault>> {
+/// A file's bytes.
+///
+/// # Errors
+/// If it cannot be read, or is larger than any file of ours.
+pub(crate) fn bytes(path: &Path) -> Result<Vec<u8>, Vec<Fault>> {
     let mut bytes = Vec::new();
     let read = File::open(path).and_then(|file| file.take(LARGEST + 1).read_to_end(&mut bytes));
     match read {

@@ -5,7 +5,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
-use handover_mesh::Recording;
 use rayon::prelude::*;
 use serde_json::json;
 
@@ -34,7 +33,7 @@ pub(crate) fn run(import: &Import, output: &Output) -> anyhow::Result<Outcome> {
     let mut bad = read.bad;
     let targets = if about.is_dir() {
         fs::create_dir_all(out).with_context(|| format!("cannot make {}", out.display()))?;
-        folder_targets(out, &read.recordings)
+        folder_targets(out, read.recordings.iter().map(|loaded| loaded.recording.name()))
     } else {
         vec![out.clone()]
     };
@@ -43,8 +42,8 @@ pub(crate) fn run(import: &Import, output: &Output) -> anyhow::Result<Outcome> {
         .recordings
         .into_par_iter()
         .zip(targets)
-        .map(|(recording, target)| {
-            let wrote = files::write(&recording, &target);
+        .map(|(loaded, target)| {
+            let wrote = files::write(&loaded.recording, &target);
             progress.step();
             wrote.map(|()| target.clone()).map_err(|error| BadFile {
                 path: target,
@@ -123,9 +122,9 @@ fn ending(path: &Path) -> Option<String> {
 }
 
 /// `pair/class/take` → `OUT/pair_class_take.csv`; a number where two clips would meet.
-fn folder_targets(out: &Path, recordings: &[Recording]) -> Vec<PathBuf> {
+fn folder_targets<'a>(out: &Path, names: impl Iterator<Item = &'a str>) -> Vec<PathBuf> {
     let mut taken = BTreeSet::new();
-    let flat = recordings.iter().map(|recording| recording.name().replace(['/', '\\'], "_"));
+    let flat = names.map(|name| name.replace(['/', '\\'], "_"));
     flat.map(|flat| {
         let numbered = (2..).map(|number| format!("{flat}_{number}"));
         // There is always a free number; the name alone is what the chain starts with.

@@ -7,6 +7,7 @@ mod demonstrations;
 mod evaluate;
 mod files;
 mod import;
+mod learn;
 mod output;
 mod plot;
 mod progress;
@@ -66,10 +67,11 @@ fn main() -> ExitCode {
 fn run(arguments: &Arguments, output: &Output) -> anyhow::Result<Outcome> {
     set_jobs(&arguments.global)?;
     // Read for every command: a wrong parameter is wrong wherever it is given.
-    let config = configuration::load(&arguments.global, arguments.command.settings())?;
+    let config = configuration::load(&arguments.global, &arguments.command.parameters())?;
     match &arguments.command {
         Command::Import(import) => import::run(import, output),
-        Command::Replay(replay) => replay::run(replay, &config, output),
+        Command::Learn(learn) => learn::run(learn, &config, output),
+        Command::Replay(replay) => replay::run(replay, &arguments.global, &config, output),
         Command::Evaluate(evaluate) => evaluate::run(evaluate, &config, output),
         Command::Check(check) => check::run(check, output),
     }

@@ -1,5 +1,7 @@
 //! A bar on stderr for whoever waits at a terminal.
 
+use std::borrow::Cow;
+
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::output::Output;
@@ -9,7 +11,7 @@ pub(crate) struct Progress(ProgressBar);
 
 impl Progress {
     /// A bar of `steps` steps.
-    pub(crate) fn new(output: &Output, label: &'static str, steps: usize) -> Self {
+    pub(crate) fn new(output: &Output, label: impl Into<Cow<'static, str>>, steps: usize) -> Self {
         if !output.shows_progress() {
             return Self(ProgressBar::hidden());
         }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use handover_mesh::Role;
 use handover_mesh::config::Change;
-use handover_mesh::mesh::{Kernel, Vertex};
+use handover_mesh::mesh::Kernel;
 use handover_mesh::model::Model;
 use handover_mesh::predict::LearnedEdge;
 use serde_json::{Value, json};
@@ -20,11 +20,6 @@ const SHORT_HASH: usize = 12;
 pub(super) struct ModelFile {
     path: PathBuf,
     pub(super) outcome: Result<Box<Model>, Vec<Fault>>,
-}
-
-/// Whether a file's ending says that it holds a model.
-pub(super) fn is_named_so(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("safetensors"))
 }
 
 impl ModelFile {
@@ -63,7 +58,7 @@ fn changes(model: &Model) -> Vec<Change> {
 
 /// `giver/right_hand`, twice.
 fn names(model: &Model, learned: &LearnedEdge) -> [String; 2] {
-    learned.edge.ends().map(|end: Vertex| model.pair().name(end, model.people()))
+    learned.edge.names(model.pair(), model.people())
 }
 
 fn hands(model: &Model) -> [String; 2] {

@@ -1,6 +1,6 @@
 //! Arguments → files, in a fixed order.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -42,11 +42,20 @@ pub(super) fn find(arguments: &[PathBuf], selection: &Selection) -> anyhow::Resu
     }
     let place = |path: &Path| fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let except = selection.except.as_deref().map(place);
+    // Of several paths to one file the least names it, whichever comes first.
+    let spelled = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let mut least: BTreeMap<PathBuf, PathBuf> = BTreeMap::new();
+    for file in &found {
+        let spelled = spelled(&file.path);
+        let known = least.entry(place(&file.path)).or_insert_with(|| spelled.clone());
+        *known = spelled.min(known.clone());
+    }
     let mut seen = BTreeSet::new();
     // The same demonstration twice would be its own neighbour in a cross-validation.
     found.retain(|file| {
         let place = place(&file.path);
-        except.as_ref() != Some(&place) && seen.insert(place)
+        let is_least = least.get(&place).is_none_or(|least| *least == spelled(&file.path));
+        except.as_ref() != Some(&place) && is_least && seen.insert(place)
     });
     if let Some(except) = selection.except.as_deref().filter(|_| found.is_empty()) {
         bail!("a recording does not learn from itself, and there is none but {}", except.display());
@@ -96,7 +105,8 @@ fn search(folder: &Path, depth: usize, found: &mut Vec<Found>) {
     }
 }
 
-fn is_recording(path: &Path) -> bool {
+/// Whether a file's ending says that it may be a recording.
+pub(super) fn is_recording(path: &Path) -> bool {
     let ending = path.extension().and_then(|ending| ending.to_str());
     ending.is_some_and(|ending| ENDINGS.iter().any(|known| known.eq_ignore_ascii_case(ending)))
 }

@@ -8,6 +8,7 @@ use anyhow::{Context as _, bail};
 use handover_mesh::Recording;
 use handover_mesh::formats::csv;
 
+use super::search::is_recording;
 use crate::UsageError;
 
 /// Refuses, before any work is done, an output that cannot be meant: another ending, a folder that
@@ -25,6 +26,15 @@ pub(crate) fn check_out(
     if out.extension().is_none_or(|found| !found.eq_ignore_ascii_case(ending)) {
         bail!(UsageError(format!("{shown}: what is written here ends in .{ending}")));
     }
+    check_place(out, inputs)
+}
+
+/// The same of an output that may end in anything.
+///
+/// # Errors
+/// [`UsageError`].
+pub(crate) fn check_place(out: &Path, inputs: &[PathBuf]) -> anyhow::Result<()> {
+    let shown = out.display();
     // A bare file name's parent is the empty path: this folder.
     let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
     if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
@@ -32,8 +42,10 @@ pub(crate) fn check_out(
     }
     // What does not exist yet overwrites nothing.
     let Ok(existing) = out.canonicalize() else { return Ok(()) };
-    let inputs = inputs.iter().filter_map(|input| input.canonicalize().ok());
-    if inputs.into_iter().any(|input| existing.starts_with(input)) {
+    let mut inputs = inputs.iter().filter_map(|input| input.canonicalize().ok());
+    // Of a folder only recordings are read.
+    let below = |input: &Path| is_recording(&existing) && existing.starts_with(input);
+    if inputs.any(|input| existing == input || below(&input)) {
         bail!(UsageError(format!("{shown} is an input and would be overwritten")));
     }
     Ok(())
