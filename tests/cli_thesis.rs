@@ -101,6 +101,21 @@ fn grow_prune_falls_to_the_tables_own_entry() {
 }
 
 #[test]
+fn gradient_ends_at_the_tables_own_entry() {
+    let folder = clips(2);
+    let more = ["--json", "--method", "gradient", "--set", "learn.phases=2"];
+    let found = check_json(&folder, &thesis(&more), 0);
+    let steps = found["steps"]["1"].as_array().unwrap();
+    assert!(!steps.is_empty());
+    assert!(steps.iter().all(|step| *step == json!({ "edge": null, "move": "descend" })));
+    for (own, name) in ["0", "1"].into_iter().enumerate() {
+        let (row, curve) = (numbers(&found["table"][name]), numbers(&found["curves"][name]));
+        assert_eq!(row[own], curve[curve.len() - 1]);
+        assert!(row[own] <= curve[0], "{name}: {curve:?}");
+    }
+}
+
+#[test]
 fn nothing_is_learned_by_none_and_little_by_few_steps() {
     let folder = clips(2);
     let found = check_json(&folder, &thesis(&["--json", "--method", "none"]), 0);

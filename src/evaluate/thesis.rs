@@ -153,6 +153,10 @@ fn train(lessons: Lessons, learn: &LearnSettings) -> Result<Training, TrialError
         curve.push(search.lessons().distance()?);
         steps.push(step);
     }
+    // Before it ends, `gradient` may drop small factors.
+    if let Some(last) = curve.last_mut() {
+        *last = search.lessons().distance()?;
+    }
     Ok(Training { edges: search.edges()?, steps, curve, distances: Vec::new() })
 }
 
