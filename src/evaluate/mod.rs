@@ -3,6 +3,9 @@
 //! The path of the data: demonstrations → [`folds`] (who may learn from whom) → predictions of
 //! every method on the same alignment → [`Figures`] per clip → [`Evaluation`] with summaries, or
 //! [`Displaced`], where the partner or the robot is not as it was recorded.
+//!
+//! [`thesis`] goes another way: one recording retargeted to each of several, before and after
+//! learning.
 
 mod condition;
 mod displaced;
@@ -12,6 +15,7 @@ mod leave_one_out;
 mod predictors;
 mod report;
 mod scene;
+mod thesis;
 mod trial;
 
 pub use condition::{Condition, Direction};
@@ -22,4 +26,5 @@ pub use leave_one_out::leave_one_out;
 pub use predictors::{EvaluateError, EvaluateSettings};
 pub use report::{Clip, Evaluation, MethodFigures, MethodSummaries, Summaries};
 pub use scene::{KnownScene, Scene};
+pub use thesis::{Average, Thesis, Training, thesis};
 pub use trial::{ChangedTrial, Trial, TrialError, UnknownJoint};

@@ -35,6 +35,12 @@ pub enum EvaluateError {
         /// How many groups there are.
         groups: usize,
     },
+    /// Nothing to retarget to but the input motion itself.
+    #[error("{clips} recording(s); the input motion needs others to be retargeted to")]
+    NoTargets {
+        /// How many recordings there are.
+        clips: usize,
+    },
     /// A clip could not be evaluated.
     #[error("{clip}: {error}")]
     Clip {

@@ -8,7 +8,7 @@ use super::{LearnError, LearnSettings, Lesson};
 use crate::demonstration::{Demonstration, Hands};
 use crate::geometry::Vector;
 use crate::mesh::{Edge, Pair};
-use crate::predict::{LearnedEdge, LearnedEdges, Predictor};
+use crate::predict::{LearnedEdge, LearnedEdges, PredictSettings, Predictor, Problem};
 use crate::retarget::Variation;
 use crate::skeleton::{JointId, Part, Role};
 
@@ -56,6 +56,7 @@ impl Lessons {
         ignored: &[JointId],
         settings: &LearnSettings,
     ) -> Result<Self, LearnError> {
+        let settings = &settings.with_own_phases();
         let demonstrations = predictor.demonstrations();
         assert_eq!(demonstrations.len(), groups.len(), "one group per demonstration");
         let met = met(demonstrations);
@@ -81,6 +82,29 @@ impl Lessons {
         let mut lessons = lessons;
         let held_out = lessons.split_off(lessons.len().min(settings.references));
         Self::new(pair, hands, lessons, held_out)
+    }
+
+    /// One reference, and how it is retargeted.
+    ///
+    /// - `truth`: the reference motion.
+    /// - `hands`: those that the candidates are named for.
+    /// - `ignored`: the robot's joints that do not count.
+    ///
+    /// # Errors
+    /// [`LearnError`] if it cannot be solved.
+    pub fn single(
+        truth: &Demonstration,
+        problem: &Problem,
+        hands: Hands,
+        ignored: &[JointId],
+        predict: &PredictSettings,
+        settings: &LearnSettings,
+    ) -> Result<Self, LearnError> {
+        let pair = problem.pair().clone();
+        let candidates = candidates(&pair);
+        let (named, settings) = ((candidates.as_slice(), hands), settings.with_own_phases());
+        let lesson = Lesson::new(truth, problem, named, ignored, predict, &settings)?;
+        Self::new(pair, hands, vec![lesson], Vec::new())
     }
 
     /// References made elsewhere, over all edges that join the pair.
@@ -141,6 +165,24 @@ impl Lessons {
             weights().sum::<f64>() / weights().count() as f64
         };
         (0..self.candidates.len()).map(mean).collect()
+    }
+
+    /// Gives every candidate what learning found elsewhere: 0 where it found no edge.
+    ///
+    /// # Errors
+    /// [`LearnError::Mesh`] if a weight comes out too large for a number.
+    /// # Panics
+    /// If the edges are named for other hands than the candidates.
+    pub fn set_edges(&mut self, edges: &LearnedEdges) -> Result<(), LearnError> {
+        assert_eq!(edges.hands(), self.hands, "edges and candidates named for the same hands");
+        let phases = edges.phases();
+        let mut factors = vec![0.0; self.candidates.len() * phases];
+        for learned in edges.edges() {
+            if let Ok(at) = self.candidates.binary_search(&learned.edge) {
+                factors[at * phases..(at + 1) * phases].copy_from_slice(&learned.factors);
+            }
+        }
+        self.set_factors(&factors, phases)
     }
 
     /// The mean distance `[m]` of the references to learn from.

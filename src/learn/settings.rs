@@ -65,6 +65,14 @@ pub struct LearnSettings {
     pub threshold: f64,
 }
 
+impl LearnSettings {
+    /// The same with one phase, where the method knows no others.
+    pub(super) fn with_own_phases(&self) -> Self {
+        let phases = if self.method == LearnMethod::Gradient { self.phases } else { 1 };
+        Self { phases, ..self.clone() }
+    }
+}
+
 impl Default for LearnSettings {
     fn default() -> Self {
         Self {

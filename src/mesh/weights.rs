@@ -24,6 +24,14 @@ pub enum Kernel {
 }
 
 impl Kernel {
+    /// The name in files and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Uniform => "uniform",
+            Self::InverseDistance { .. } => "inverse_distance",
+        }
+    }
+
     /// The weight `[-]` of an interperson edge at `distance` `[m]`.
     pub fn weight(self, distance: f64) -> f64 {
         match self {

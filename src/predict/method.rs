@@ -230,6 +230,21 @@ impl Predictor {
         Ok(Problem::new(&observation, &alignment, Some(gap), &self.settings))
     }
 
+    /// The demonstrations retargeted as they are: no gap is held at contact.
+    ///
+    /// - `hands`: the hands that meet.
+    ///
+    /// # Errors
+    /// As [`Self::align_to`].
+    pub fn plain_problem(
+        &self,
+        observation: &Observation,
+        hands: Hands,
+    ) -> Result<Problem, PredictError> {
+        let alignment = self.align_to(observation, Some(hands), |_| true)?;
+        Ok(Problem::new(observation, &alignment, None, &self.settings))
+    }
+
     /// The robot's joints by one method: `[m]`, `frames × joints`.
     ///
     /// # Errors

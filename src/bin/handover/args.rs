@@ -55,6 +55,17 @@ pub(crate) enum Command {
     Check(Check),
 }
 
+impl Command {
+    /// Options that stand for parameters, and win over `--set`.
+    pub(crate) fn parameters(&self) -> Vec<(String, String)> {
+        match self {
+            Self::Learn(learn) => learn.learning.parameters(),
+            Self::Evaluate(evaluate) => evaluate.learning.parameters(),
+            Self::Import(_) | Self::Replay(_) | Self::Check(_) => Vec::new(),
+        }
+    }
+}
+
 /// Turn recordings of any known format into CSV.
 ///
 /// A file becomes a file, a folder a folder of files. Bad files are named and left out.
@@ -91,13 +102,8 @@ pub(crate) struct Learn {
     /// The person the robot stands in for [default: giver, else B]
     #[arg(long, value_name = "R")]
     pub(crate) role: Option<String>,
-    /// How edges are searched for [default: learn.method, which is grow]
-    #[arg(long, value_name = "METHOD", value_parser = PossibleValuesParser::new(LearnMethod::ALL.map(LearnMethod::name)))]
-    pub(crate) method: Option<String>,
-    /// How an edge's weight follows from its length [default: mesh.kernel, which is
-    /// inverse_distance]
-    #[arg(long, value_name = "KERNEL", value_parser = ["uniform", "inverse_distance"])]
-    pub(crate) kernel: Option<String>,
+    #[command(flatten)]
+    pub(crate) learning: Learning,
     /// Clips with this metadata in common never learn from each other, e.g. pair
     #[arg(long, value_name = "KEY")]
     pub(crate) group: Option<String>,
@@ -109,15 +115,6 @@ pub(crate) struct Learn {
     pub(crate) resume: bool,
     #[command(flatten)]
     pub(crate) selection: Selection,
-}
-
-impl Learn {
-    /// Options that stand for a parameter.
-    pub(crate) fn parameters(&self) -> Vec<(String, String)> {
-        let options = [("learn.method", &self.method), ("mesh.kernel", &self.kernel)];
-        let given = options.into_iter().filter_map(|(key, value)| Some((key, value.clone()?)));
-        given.map(|(key, value)| (key.to_owned(), value)).collect()
-    }
 }
 
 /// Retarget a recording's robot role from demonstrations or a model.
@@ -155,6 +152,9 @@ pub(crate) struct Replay {
 /// displaced: the same with the partner moved up, left, right or nearer by 0.1 or 0.2 m, and apart
 /// from that with the robot 0.8 or 1.2 times as large. What a person would have done there is not
 /// known, so only the gap to the partner's hand, bones and jerk are measured.
+///
+/// thesis: the first recording is retargeted to each of all, by an interaction mesh that was trained
+/// on one of them: a row a training, a column a target, in metres over all joints and frames.
 #[derive(Debug, Args)]
 pub(crate) struct Evaluate {
     /// Recordings, or folders searched for recordings (.csv, .txt)
@@ -178,8 +178,35 @@ pub(crate) struct Evaluate {
     /// Write the JSON object to a file too (.json)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) out: Option<PathBuf>,
+    /// Draw the distances over the steps of learning (.svg; thesis only)
+    #[arg(long, value_name = "OUT")]
+    pub(crate) plot: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) learning: Learning,
     #[command(flatten)]
     pub(crate) selection: Selection,
+}
+
+/// How the edges between the people are learned.
+#[derive(Debug, Clone, Default, Args)]
+pub(crate) struct Learning {
+    /// How edges are searched for [default: learn.method, which is grow]
+    #[arg(long, value_name = "METHOD",
+          value_parser = PossibleValuesParser::new(LearnMethod::ALL.map(LearnMethod::name)))]
+    pub(crate) method: Option<String>,
+    /// How an edge's weight follows from its length [default: mesh.kernel, which is
+    /// inverse_distance]
+    #[arg(long, value_name = "KERNEL", value_parser = ["uniform", "inverse_distance"])]
+    pub(crate) kernel: Option<String>,
+}
+
+impl Learning {
+    /// The parameters that the options stand for.
+    fn parameters(&self) -> Vec<(String, String)> {
+        let options = [("learn.method", &self.method), ("mesh.kernel", &self.kernel)];
+        let given = options.into_iter().filter_map(|(key, value)| Some((key, value.clone()?)));
+        given.map(|(key, value)| (key.to_owned(), value)).collect()
+    }
 }
 
 /// How clips are dealt and measured.
@@ -191,6 +218,9 @@ pub(crate) enum Protocol {
     /// The same with the partner elsewhere, or the robot of another size
     #[value(name = "displaced")]
     Displaced,
+    /// The first recording retargeted to each of all, by meshes trained on one of them
+    #[value(name = "thesis")]
+    Thesis,
 }
 
 /// Accepts the methods' names.

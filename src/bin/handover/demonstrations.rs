@@ -23,6 +23,8 @@ pub(crate) struct Loaded {
     pub(crate) hashes: Vec<String>,
     pub(crate) role: String,
     pub(crate) left_out: usize,
+    /// Whether the very first recording is one of those left out.
+    pub(crate) first_left_out: bool,
 }
 
 /// Loads recordings and takes `role` in each; names on stderr what has to be left out.
@@ -68,7 +70,7 @@ pub(crate) fn load_sorted(
             once.push(loaded);
         }
     }
-    take(files::Demonstrations { recordings: once, bad: read.bad }, role, config, output)
+    take(files::Demonstrations { recordings: once, ..read }, role, config, output)
 }
 
 fn take(
@@ -77,7 +79,7 @@ fn take(
     config: &Config,
     output: &Output,
 ) -> anyhow::Result<Loaded> {
-    let files::Demonstrations { recordings, bad } = read;
+    let files::Demonstrations { recordings, bad, first_is_bad } = read;
     files::name_bad(&bad, output);
     let mut left_out = bad.len();
     if recordings.is_empty() {
@@ -87,6 +89,7 @@ fn take(
         Some(role) => role.to_owned(),
         None => default_role(&recordings)?,
     };
+    let first = recordings[0].recording.name().to_owned();
     let mut taken: Vec<(Arc<Demonstration>, String)> = Vec::new();
     let mut leave_out = |why: String| {
         output.problem(&format!("left out: {why}"));
@@ -114,8 +117,10 @@ fn take(
     if taken.is_empty() {
         bail!("no recording is left to work with");
     }
+    // Names are distinct.
+    let first_left_out = first_is_bad || taken[0].0.recording().name() != first;
     let (demonstrations, hashes) = taken.into_iter().unzip();
-    Ok(Loaded { demonstrations, hashes, role, left_out })
+    Ok(Loaded { demonstrations, hashes, role, left_out, first_left_out })
 }
 
 /// Who never learns from whom: each demonstration's value of a metadata key, else its scene.

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use anyhow::Context as _;
+use anyhow::{Context as _, bail};
 use handover_mesh::Config;
-use handover_mesh::evaluate::{Condition, EvaluateSettings, displaced, leave_one_out};
+use handover_mesh::evaluate::{self, Condition, EvaluateSettings, displaced, leave_one_out};
 use handover_mesh::predict::Method;
 use serde_json::Value;
 
@@ -12,7 +12,7 @@ use crate::args::{Evaluate, Protocol};
 use crate::demonstrations::{self, Loaded};
 use crate::output::Output;
 use crate::progress::Progress;
-use crate::{Outcome, files, tables};
+use crate::{Outcome, files, plot, tables, thesis};
 
 /// Loads, evaluates, prints.
 pub(crate) fn run(
@@ -22,8 +22,10 @@ pub(crate) fn run(
 ) -> anyhow::Result<Outcome> {
     let Evaluate { demonstrations, selection, out, .. } = arguments;
     files::check_out(out.as_deref(), "json", demonstrations)?;
+    files::check_out(arguments.plot.as_deref(), "svg", demonstrations)?;
+    thesis::check(arguments)?;
     let role = arguments.role.as_deref();
-    let Loaded { demonstrations, role, left_out, .. } =
+    let Loaded { demonstrations, role, left_out, first_left_out, .. } =
         demonstrations::load(demonstrations, role, selection, config, output)?;
     let groups = demonstrations::groups(&demonstrations, arguments.group.as_deref())?;
     let settings = EvaluateSettings {
@@ -53,6 +55,22 @@ pub(crate) fn run(
             let text = || tables::displaced(&found, &role);
             say(output, out, &found.failures, text, &found.to_json(&role))?;
             found.failures.is_empty()
+        }
+        Protocol::Thesis => {
+            if first_left_out {
+                bail!("the first recording is the input motion, and it had to be left out");
+            }
+            thesis::note_few(clips, output);
+            let progress = Progress::new(output, "learning", clips);
+            let found = evaluate::thesis(&demonstrations, &settings, || progress.step());
+            drop(progress);
+            let found = found.context("cannot evaluate")?;
+            say(output, out, &[], || thesis::text(&found, &role), &found.to_json(&role))?;
+            if let Some(plot) = &arguments.plot {
+                files::write_text(&plot::svg(&thesis::figure(&found)), plot)?;
+                output.note(&format!("wrote {}", plot.display()));
+            }
+            true
         }
     };
     Ok(if whole && left_out == 0 { Outcome::Done } else { Outcome::Loss })

@@ -65,6 +65,8 @@ pub(crate) struct Demonstrations {
     /// Each under a name of its own.
     pub(crate) recordings: Vec<Loaded>,
     pub(crate) bad: Vec<BadFile>,
+    /// Whether the first of all files is one of them.
+    pub(crate) first_is_bad: bool,
 }
 
 /// Reads all recordings that the arguments name, keeping the good and the bad apart.
@@ -77,13 +79,15 @@ pub(crate) fn load(
     output: &Output,
 ) -> anyhow::Result<Demonstrations> {
     let (mut recordings, mut bad) = (Vec::new(), Vec::new());
-    for ReadFile { path, outcome } in read_all(demos, selection, output)? {
+    let files = read_all(demos, selection, output)?;
+    let first_is_bad = files.first().is_some_and(|file| file.outcome.is_err());
+    for ReadFile { path, outcome } in files {
         match outcome {
             Ok(loaded) => recordings.push(loaded),
             Err(faults) => bad.push(BadFile { path, faults }),
         }
     }
-    Ok(Demonstrations { recordings, bad })
+    Ok(Demonstrations { recordings, bad, first_is_bad })
 }
 
 /// Says on stderr which files were left out and why.

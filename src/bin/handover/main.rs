@@ -9,9 +9,11 @@ mod files;
 mod import;
 mod learn;
 mod output;
+mod plot;
 mod progress;
 mod replay;
 mod tables;
+mod thesis;
 
 use std::process::ExitCode;
 
@@ -65,11 +67,7 @@ fn main() -> ExitCode {
 fn run(arguments: &Arguments, output: &Output) -> anyhow::Result<Outcome> {
     set_jobs(&arguments.global)?;
     // Read for every command: a wrong parameter is wrong wherever it is given.
-    let options = match &arguments.command {
-        Command::Learn(learn) => learn.parameters(),
-        _ => Vec::new(),
-    };
-    let config = configuration::load(&arguments.global, &options)?;
+    let config = configuration::load(&arguments.global, &arguments.command.parameters())?;
     match &arguments.command {
         Command::Import(import) => import::run(import, output),
         Command::Learn(learn) => learn::run(learn, &config, output),
