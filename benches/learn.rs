@@ -87,12 +87,8 @@ fn grow(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("learn_grow_60x30");
     group.sample_size(10);
     for (name, transform) in TRANSFORMS {
-        let settings = LearnSettings {
-            references: 1,
-            tolerance: 0.0,
-            steps: 10,
-            ..LearnSettings::default()
-        };
+        let settings =
+            LearnSettings { references: 1, tolerance: 0.0, steps: 10, ..LearnSettings::default() };
         let lessons = lessons(transform, &settings);
         group.bench_function(name, |bencher| {
             bencher.iter(|| {
