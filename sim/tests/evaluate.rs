@@ -109,14 +109,14 @@ fn no_method_sees_the_robots_truth() {
 
 #[test]
 fn the_mesh_meets_hands_and_keeps_bones() {
-    let clips = clips(20);
-    let groups: Vec<String> = (0..20).map(|i| format!("{i:02}")).collect();
+    // More than twenty are dealt into folds: learning once for each clip would take minutes.
+    let clips = clips(21);
+    let groups: Vec<String> = (0..21).map(|i| format!("{i:02}")).collect();
     let settings = EvaluateSettings {
         methods: Method::ALL.to_vec(),
-        folds: 10,
+        folds: 3,
         ignored_joints: Vec::new(),
         predict: PredictSettings::default(),
-        // Little, as every clip is a fold of its own here.
         learn: LearnSettings { references: 3, steps: 2, ..LearnSettings::default() },
     };
     let evaluation = leave_one_out(&clips, &groups, &settings, || ()).unwrap();
