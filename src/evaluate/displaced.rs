@@ -59,7 +59,7 @@ pub struct Displaced {
 /// Evaluates every method on every clip under every condition of [`Condition::ALL`].
 ///
 /// - `groups`: one per clip; clips of one group never learn from each other.
-/// - `done`: called after each clip and condition, from any thread.
+/// - `done`: called after each fold has been learned from, and after each clip and condition, from any thread.
 ///
 /// The result does not depend on the number of threads.
 ///
@@ -73,7 +73,7 @@ pub fn displaced(
     settings: &EvaluateSettings,
     done: impl Fn() + Sync,
 ) -> Result<Displaced, EvaluateError> {
-    let evaluated = each_clip(clips, groups, settings, |clip, predictor| {
+    let evaluated = each_clip(clips, groups, settings, &done, |clip, predictor| {
         evaluate_clip(clip, predictor, settings, &done)
     })?;
     let (clips, failures): (Vec<_>, Vec<Vec<String>>) = evaluated.into_iter().flatten().unzip();

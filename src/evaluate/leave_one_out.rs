@@ -11,7 +11,7 @@ use crate::predict::Predictor;
 /// Evaluates every method on every clip.
 ///
 /// - `groups`: one per clip; clips of one group never learn from each other.
-/// - `done`: called after each clip, from any thread.
+/// - `done`: called after each fold has been learned from, and after each clip, from any thread.
 ///
 /// The result does not depend on the number of threads.
 ///
@@ -25,7 +25,7 @@ pub fn leave_one_out(
     settings: &EvaluateSettings,
     done: impl Fn() + Sync,
 ) -> Result<Evaluation, EvaluateError> {
-    let evaluated = each_clip(clips, groups, settings, |clip, predictor| {
+    let evaluated = each_clip(clips, groups, settings, &done, |clip, predictor| {
         let evaluated = evaluate_clip(clip, predictor, settings);
         done();
         evaluated

@@ -59,6 +59,7 @@ fn predictors(
     groups: &[String],
     folds: &[usize],
     settings: &EvaluateSettings,
+    done: &(impl Fn() + Sync),
 ) -> Result<Vec<Predictor>, EvaluateError> {
     let count = folds.iter().max().map_or(0, |last| last + 1);
     if count < 2 {
@@ -68,10 +69,9 @@ fn predictors(
         let others = clips.iter().zip(groups).zip(folds).filter(|(_, f)| **f != fold);
         let (others, groups): (Vec<_>, Vec<_>) =
             others.map(|((clip, group), _)| (clip.clone(), group.clone())).unzip();
-        fit(others, &groups, settings).map_err(|error| EvaluateError::Clip {
-            clip: format!("learning without fold {fold}"),
-            error,
-        })
+        let fitted = fit(others, &groups, settings);
+        done();
+        fitted.map_err(|error| EvaluateError::Clip { clip: format!("without fold {fold}"), error })
     });
     predictors.collect()
 }
@@ -95,6 +95,8 @@ fn fit(
 /// What `evaluate` makes of each clip with a predictor that never saw the clip nor its group, in
 /// the clips' order, whatever the number of threads.
 ///
+/// - `done`: called after each fold has been learned from, from any thread.
+///
 /// # Errors
 /// [`EvaluateError`] if there is one group only, or `evaluate` fails on a clip.
 /// # Panics
@@ -103,11 +105,12 @@ pub(super) fn each_clip<T: Send>(
     clips: &[Arc<Demonstration>],
     groups: &[String],
     settings: &EvaluateSettings,
+    done: &(impl Fn() + Sync),
     evaluate: impl Fn(&Demonstration, &Predictor) -> Result<T, TrialError> + Sync,
 ) -> Result<Vec<T>, EvaluateError> {
     assert_eq!(clips.len(), groups.len(), "one group per clip");
     let folds = folds(groups, settings.folds);
-    let predictors = predictors(clips, groups, &folds, settings)?;
+    let predictors = predictors(clips, groups, &folds, settings, done)?;
     let evaluated = clips.par_iter().zip(&folds).map(|(clip, fold)| {
         evaluate(clip, &predictors[*fold]).map_err(|error| EvaluateError::Clip {
             clip: clip.recording().name().to_owned(),

@@ -48,7 +48,7 @@ pub enum TrialError {
     #[error(transparent)]
     Predict(#[from] PredictError),
     /// No edges could be learned.
-    #[error("learning: {0}")]
+    #[error("the edges of mesh: {0} (hint: --methods leaves mesh out)")]
     Learn(#[from] LearnError),
 }
 

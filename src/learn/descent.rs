@@ -73,7 +73,7 @@ impl Descent {
         lessons.set_factors(&vec![0.0; lessons.candidates().len() * phases], phases)?;
         Ok(Self {
             weights: vec![0.0; lessons.candidates().len() * phases],
-            scales: lessons.mean_kernels().into_iter().map(|mean| 1.0 / mean).collect(),
+            scales: lessons.mean_kernels().into_iter().map(scale).collect(),
             phases,
             cost: settings.sparsity * lessons.distance()?,
             refit: false,
@@ -210,7 +210,7 @@ impl Descent {
         self.recent[before] - now <= tolerance * now
     }
 
-    /// Drops edges whose greatest factor is below a share of all, and starts to fit the rest.
+    /// Drops edges whose greatest weight is below a share of all, and starts to fit the rest.
     fn drop_small(&mut self, threshold: f64) {
         let largest = self.weights.iter().copied().fold(0.0, f64::max);
         for edge in self.weights.chunks_exact_mut(self.phases) {
@@ -226,13 +226,18 @@ impl Descent {
     }
 }
 
-/// Barzilai and Borwein's step length: how far the factors moved against how much the slope bent.
+/// Barzilai and Borwein's step length: how far the weights moved against how much the slope bent.
 fn spectral_length(next: &[f64], last: &[f64], next_slope: &[f64], last_slope: &[f64]) -> f64 {
     let moved: Vec<f64> = next.iter().zip(last).map(|(next, last)| next - last).collect();
     let bent = next_slope.iter().zip(last_slope).zip(&moved);
     let bent: f64 = bent.map(|((next, last), moved)| moved * (next - last)).sum();
     let far: f64 = moved.iter().map(|moved| moved * moved).sum();
     if bent > 0.0 { (far / bent).clamp(LENGTHS[0], LENGTHS[1]) } else { LENGTHS[1] }
+}
+
+/// What makes an edge's mean weight 1; an edge that never weighs anything stays so.
+fn scale(mean: f64) -> f64 {
+    if mean > 0.0 && (1.0 / mean).is_finite() { 1.0 / mean } else { 0.0 }
 }
 
 /// `x` of each candidate and phase → what its kernel's weights are multiplied by.
@@ -254,12 +259,9 @@ fn objective(
     let of_lessons: Vec<(f64, Vec<f64>)> = lessons
         .lessons()
         .par_iter()
-        .map(|lesson| {
-            let slopes = lesson.slopes(phases);
-            measured();
-            slopes
-        })
+        .map(|lesson| lesson.slopes(phases))
         .collect::<Result<_, _>>()?;
+    measured();
     let mut value = cost * weights.iter().sum::<f64>();
     let mut slope = vec![cost; weights.len()];
     for (distance, by_factor) in of_lessons {

@@ -8,7 +8,7 @@ use crate::retarget::{NoDerivative, RetargetError, VariationError};
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LearnError {
     /// Nothing to learn from.
-    #[error("no reference motion to learn from: it takes recordings of at least two groups")]
+    #[error("no reference motion to learn from: edges take demonstrations of at least two groups")]
     NoLessons,
     /// The skeletons make no pair of people who could be joined.
     #[error(transparent)]

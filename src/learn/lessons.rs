@@ -30,7 +30,8 @@ pub type Room = Vec<Variation>;
 
 impl Lessons {
     /// References out of a predictor's demonstrations: at most [`LearnSettings::references`] to
-    /// learn from, as many again held out, if there are so many.
+    /// learn from, and of other groups as many again held out, if there are so many. What is held
+    /// out is no source of the others either.
     ///
     /// Each is retargeted from one demonstration of another group: the one with the same hands
     /// whose contact is farthest from its own. From the mean of the nearest, which is what
@@ -60,27 +61,36 @@ impl Lessons {
         let demonstrations = predictor.demonstrations();
         assert_eq!(demonstrations.len(), groups.len(), "one group per demonstration");
         let met = met(demonstrations);
-        let has_others = |at: &usize| met.iter().any(|other| groups[*other] != groups[*at]);
+        let apart = |one: usize, other: usize| groups[one] != groups[other];
+        let has_others = |at: &usize| met.iter().any(|other| apart(*other, *at));
         let usable: Vec<usize> = met.iter().copied().filter(has_others).collect();
-        let chosen = spread(demonstrations, &usable, 2 * settings.references);
+        let chosen = spread(demonstrations, &usable, settings.references);
+        let strangers =
+            usable.iter().copied().filter(|at| chosen.iter().all(|one| apart(*at, *one)));
+        let strangers: Vec<usize> = strangers.collect();
+        let mut held_out = spread(demonstrations, &strangers, settings.references);
+        // Whoever is held out is nobody's source; somebody must be left to learn from.
+        let is_left = |held_out: &[usize], at: usize| {
+            met.iter().any(|other| apart(*other, at) && !held_out.contains(other))
+        };
+        while chosen.iter().any(|at| !is_left(&held_out, *at)) && held_out.pop().is_some() {}
         let first = demonstrations.first().ok_or(LearnError::NoLessons)?;
         let hands = usual_hands(demonstrations).ok_or(LearnError::NoLessons)?;
         let pair = Arc::new(Pair::of(first.recording()));
         let candidates = candidates(&pair);
-        let lessons: Vec<Lesson> = chosen
-            .into_par_iter()
-            .map(|at| {
-                let others = |other: usize| groups[other] != groups[at];
-                let sources = |other: usize| others(other) && met.contains(&other);
-                let from = farthest(demonstrations, at, sources).ok_or(LearnError::NoLessons)?;
-                let problem = predictor.practice(at, from, others)?;
-                let named = (candidates.as_slice(), hands);
-                let (truth, predict) = (&demonstrations[at], predictor.settings());
-                Lesson::new(truth, &problem, named, ignored, predict, settings)
-            })
-            .collect::<Result<_, LearnError>>()?;
-        let mut lessons = lessons;
-        let held_out = lessons.split_off(lessons.len().min(settings.references));
+        let lesson = |at: &usize| {
+            let known = |other: usize| apart(other, *at) && !held_out.contains(&other);
+            let sources = |other: usize| known(other) && met.contains(&other);
+            let from = farthest(demonstrations, *at, sources).ok_or(LearnError::NoLessons)?;
+            let problem = predictor.practice(*at, from, known)?;
+            let named = (candidates.as_slice(), hands);
+            let (truth, predict) = (&demonstrations[*at], predictor.settings());
+            Lesson::new(truth, &problem, named, ignored, predict, settings)
+        };
+        let lessons: Vec<Lesson> =
+            chosen.par_iter().map(&lesson).collect::<Result<_, LearnError>>()?;
+        let held_out: Vec<Lesson> =
+            held_out.par_iter().map(&lesson).collect::<Result<_, LearnError>>()?;
         Self::new(pair, hands, lessons, held_out)
     }
 

@@ -103,11 +103,12 @@ impl Search {
         self.evaluations
     }
 
-    /// How many the next step will measure.
+    /// How many the next step will measure, about.
     pub fn next_evaluations(&self) -> usize {
         match &self.strategy {
             Strategy::Climb(climb) => climb.moves(self.settings.method).count(),
-            Strategy::Descent(_) => self.lessons.lessons().len(),
+            // More where a step goes too far at first.
+            Strategy::Descent(_) => 1,
         }
     }
 

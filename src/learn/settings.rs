@@ -45,9 +45,9 @@ pub struct LearnSettings {
     /// How many references at most, ≥ 1.
     pub references: usize,
     /// A step that brings the distance down by no more than this share `[-]` of it is not taken,
-    /// ≥ 0.
+    /// ≥ 0; `gradient` ends where five steps together bring no more.
     pub tolerance: f64,
-    /// Steps at most, ≥ 1.
+    /// Steps at most, ≥ 1; of `gradient` before small weights are dropped, and after.
     pub steps: usize,
     /// ω of the active hand `[-]`, > 0; of the other joints it is 1.
     pub hand_weight: f64,

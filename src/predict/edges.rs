@@ -16,9 +16,12 @@ pub struct LearnedEdge {
 /// Why edges are no learned edges.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum EdgesError {
-    /// There is at least one phase.
-    #[error("no phases; an interaction has at least one")]
-    NoPhases,
+    /// The number of phases is out of bounds.
+    #[error("{phases} phases, must be 1 to {most}", most = LearnedEdges::MOST_PHASES)]
+    PhaseCount {
+        /// How many there are.
+        phases: usize,
+    },
     /// An edge does not join the two people.
     #[error("edge {a}-{b} does not join the two people, who have {vertices} joints together")]
     NotInterperson {
@@ -49,8 +52,8 @@ pub enum EdgesError {
         /// How many phases there are.
         phases: usize,
     },
-    /// A factor is negative, NaN or infinite.
-    #[error("edge {a}-{b}, phase {phase}: factor {value} must be finite and >= 0")]
+    /// A factor is negative, NaN or too large.
+    #[error("edge {a}-{b}, phase {phase}: factor {value} must be from 0 to {most}", most = LearnedEdges::MOST_FACTOR)]
     Factor {
         /// One end.
         a: usize,
@@ -75,10 +78,16 @@ pub struct LearnedEdges {
 }
 
 impl LearnedEdges {
+    /// More phases than this no interaction has: it would take hours of frames.
+    pub const MOST_PHASES: usize = 1 << 20;
+
+    /// A factor above this is no learned one: weights would drown everything else.
+    pub const MOST_FACTOR: f64 = 1e12;
+
     /// The only way in; sorts the edges.
     ///
     /// - `hands`: the active hands that the edges are named for.
-    /// - `phases`: how many factors an edge has, ≥ 1; see [`phase`].
+    /// - `phases`: how many factors an edge has, 1 to [`Self::MOST_PHASES`]; see [`phase`].
     ///
     /// # Errors
     /// [`EdgesError`] on the first edge that does not join the two people, is there twice or has
@@ -89,8 +98,8 @@ impl LearnedEdges {
         phases: usize,
         mut edges: Vec<LearnedEdge>,
     ) -> Result<Self, EdgesError> {
-        if phases == 0 {
-            return Err(EdgesError::NoPhases);
+        if phases == 0 || phases > Self::MOST_PHASES {
+            return Err(EdgesError::PhaseCount { phases });
         }
         edges.sort_by_key(|learned| learned.edge);
         let mut last = None;
@@ -106,7 +115,7 @@ impl LearnedEdges {
             if learned.factors.len() != phases {
                 return Err(EdgesError::Phases { a, b, got: learned.factors.len(), phases });
             }
-            let bad = |factor: &f64| !(factor.is_finite() && *factor >= 0.0);
+            let bad = |factor: &f64| !(0.0..=Self::MOST_FACTOR).contains(factor);
             if let Some(phase) = learned.factors.iter().position(bad) {
                 return Err(EdgesError::Factor { a, b, phase, value: learned.factors[phase] });
             }

@@ -1,5 +1,6 @@
 //! Files named on the command line → demonstrations of one role by one kind of pair.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -39,11 +40,10 @@ pub(crate) fn load(
     output: &Output,
 ) -> anyhow::Result<Loaded> {
     let read = files::load(paths, selection, output)?;
-    take(read, role, config, output)
+    take(once(read, output), role, config, output)
 }
 
-/// The same in an order that is not that of the arguments: by name. Of recordings that hold the
-/// same, only the first is taken, as one must not learn from itself; that is no loss.
+/// The same in an order that is not that of the arguments: by name.
 ///
 /// # Errors
 /// As [`load`].
@@ -58,6 +58,12 @@ pub(crate) fn load_sorted(
     let order =
         |loaded: &files::Loaded| (loaded.recording.name().to_owned(), loaded.sha256.clone());
     read.recordings.sort_by_cached_key(order);
+    take(once(read, output), role, config, output)
+}
+
+/// Of recordings that hold the same only the first, as one must not learn from itself: that is no
+/// loss.
+fn once(read: files::Demonstrations, output: &Output) -> files::Demonstrations {
     let mut once: Vec<files::Loaded> = Vec::new();
     for loaded in read.recordings {
         let same = |known: &&files::Loaded| {
@@ -70,7 +76,7 @@ pub(crate) fn load_sorted(
             once.push(loaded);
         }
     }
-    take(files::Demonstrations { recordings: once, ..read }, role, config, output)
+    files::Demonstrations { recordings: once, ..read }
 }
 
 fn take(
@@ -123,7 +129,8 @@ fn take(
     Ok(Loaded { demonstrations, hashes, role, left_out, first_left_out })
 }
 
-/// Who never learns from whom: each demonstration's value of a metadata key, else its scene.
+/// Who never learns from whom: recordings of one scene, and those that have a metadata key's value
+/// in common. Returns each one's group, named by the first of its values.
 ///
 /// # Errors
 /// [`UsageError`] if a recording lacks the key.
@@ -131,7 +138,8 @@ pub(crate) fn groups(
     demonstrations: &[Arc<Demonstration>],
     key: Option<&str>,
 ) -> anyhow::Result<Vec<String>> {
-    let group = |demonstration: &Arc<Demonstration>| {
+    let scene = |d: &Arc<Demonstration>| d.recording().scene().to_owned();
+    let value = |demonstration: &Arc<Demonstration>| {
         let recording = demonstration.recording();
         let Some(key) = key else { return Ok(recording.scene().to_owned()) };
         let Some(group) = recording.metadata().get(key) else {
@@ -143,7 +151,20 @@ pub(crate) fn groups(
         };
         Ok(group.clone())
     };
-    demonstrations.iter().map(group).collect()
+    let mut groups: Vec<String> =
+        demonstrations.iter().map(value).collect::<anyhow::Result<_>>()?;
+    // A scene that several groups show makes one of them.
+    let mut of_scene: BTreeMap<String, String> = BTreeMap::new();
+    for at in 0..groups.len() {
+        let here = groups[at].clone();
+        let first = of_scene.entry(scene(&demonstrations[at])).or_insert_with(|| here.clone());
+        if *first != here {
+            let one = first.clone();
+            groups.iter_mut().filter(|group| **group == here).for_each(|g| g.clone_from(&one));
+            of_scene.values_mut().filter(|group| **group == here).for_each(|g| g.clone_from(&one));
+        }
+    }
+    Ok(groups)
 }
 
 /// The value that occurs most often, the first of equals; `None` of nothing.

@@ -35,7 +35,9 @@ pub(crate) fn run(
         predict: config.predict.clone(),
         learn: config.learn.clone(),
     };
-    let progress = |steps| Progress::new(output, "evaluating", steps);
+    let folds =
+        evaluate::folds(&groups, settings.folds).into_iter().max().map_or(0, |last| last + 1);
+    let progress = |steps| Progress::new(output, "learning and evaluating", folds + steps);
     let (clips, out) = (demonstrations.len(), out.as_deref());
     let whole = match arguments.protocol {
         Protocol::LeaveOneOut => {

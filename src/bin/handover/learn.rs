@@ -72,13 +72,23 @@ pub(crate) fn run(learn: &Learn, config: &Config, output: &Output) -> anyhow::Re
     }
     let training = Training {
         steps: steps.len(),
-        final_distance: last_distance(&search, &steps),
+        // Before it ends, `gradient` may drop small weights.
+        final_distance: search.lessons().distance().context("cannot learn")?,
         held_out_distance: held_out(&search)?,
         ..training(&search)
     };
     end(log, &found, &training)?;
+    let training_held_out = training.held_out_distance;
     let edges = search.edges().context("cannot learn")?;
     let model = model(&loaded, config, edges, training)?;
+    if let (Some(before), Some(after)) = (held_out_initial, training_held_out)
+        && after > before
+    {
+        output.note(&format!(
+            "note: the references held out are farther away than without these edges ({before:.4} \
+             to {after:.4} m): more or other recordings, or a larger learn.tolerance, may help"
+        ));
+    }
     // The file first, whoever listens; the words all the same where it cannot be written.
     let written = files::write_bytes(&model.to_bytes(), &learn.out);
     let seconds = begun.elapsed().as_secs_f64();
