@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::error::{ReadError, Reason, shortened};
-use super::sbu;
+use super::{amc, sbu};
 
 /// A format that recordings are read from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -30,7 +30,8 @@ impl fmt::Display for Format {
 /// SBU line: which fields are wrong in it is for the reader to say.
 ///
 /// # Errors
-/// [`Reason::Empty`], [`Reason::NoFrames`] (comments only) or [`Reason::UnknownFormat`].
+/// [`Reason::Empty`], [`Reason::NoFrames`] (comments only), [`Reason::OnePerson`] (ASF, AMC) or
+/// [`Reason::UnknownFormat`].
 pub fn detect(bytes: &[u8]) -> Result<Format, ReadError> {
     let mut number = 1;
     let mut comments = false;
@@ -60,7 +61,20 @@ fn of_line(line: &str) -> Result<Format, Reason> {
     if numbers >= sbu::FIELDS / 8 {
         return Ok(Format::Sbu);
     }
+    if let Some(format) = of_one_person(line) {
+        return Err(Reason::OnePerson { format });
+    }
     Err(Reason::UnknownFormat { start: shortened(line) })
+}
+
+/// What an Acclaim file is, which holds no recording.
+fn of_one_person(line: &str) -> Option<&'static str> {
+    let word = line.split_ascii_whitespace().next()?;
+    let is_in = |sections: &[&str]| sections.iter().any(|known| known.eq_ignore_ascii_case(word));
+    if is_in(&amc::MOTION_SECTIONS) {
+        return Some("AMC motion");
+    }
+    is_in(&amc::SKELETON_SECTIONS).then_some("ASF skeleton")
 }
 
 /// The bytes without the mark that some editors put before UTF-8 text.
@@ -93,5 +107,10 @@ mod tests {
         check(b"\nclip,frames\n1,2\n", Err("line 2: neither CSV (header 'frame,time_s,"));
         check(b"0,0.0,giver,head,0,0,1\n", Err("nor SBU text (91 numbers"));
         check(&[0xff; 300], Err("neither CSV"));
+        let motion =
+            "line 2: AMC motion of one person; a recording has two (hint: `handover motion`";
+        check(b"#!OML:ASF x.ASF\n:FULLY-SPECIFIED\n:DEGREES\n", Err(motion));
+        check(b":version 1.10\n:name VICON\n", Err("line 1: ASF skeleton of one person"));
+        check(b":magic\n", Err("neither CSV"));
     }
 }

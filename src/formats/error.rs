@@ -16,7 +16,7 @@ pub struct Violation {
     pub reason: Reason,
 }
 
-/// What can be wrong with a recording's file. Values quoted from the file are shortened.
+/// What can be wrong with a recording's or a motion's file. Values quoted from the file are shortened.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Reason {
     /// Not a byte, or blank lines only.
@@ -220,6 +220,112 @@ pub enum Reason {
         /// The file's median rate `[Hz]`.
         usual: f64,
     },
+    /// A file of one person, where a recording of two is asked for.
+    #[error("{format} of one person; a recording has two (hint: `handover motion` takes it)")]
+    OnePerson {
+        /// What it is: `AMC motion` or `ASF skeleton`.
+        format: &'static str,
+    },
+    /// A section, key or name that means nothing where it stands.
+    #[error("{what} '{word}' is not known (known are: {known})")]
+    UnknownWord {
+        /// What the word would be.
+        what: &'static str,
+        /// The word.
+        word: String,
+        /// What may stand there.
+        known: &'static str,
+    },
+    /// Something that may be there once only.
+    #[error("{what} appears twice")]
+    Repeated {
+        /// What it is.
+        what: String,
+    },
+    /// Something that has to be there.
+    #[error("{what} is missing")]
+    Missing {
+        /// What it is.
+        what: String,
+    },
+    /// A number that its field cannot have.
+    #[error("field '{field}': {value} must be {bound}")]
+    OutOfBounds {
+        /// Which field.
+        field: String,
+        /// Its value, in the file's unit.
+        value: f64,
+        /// What it must be.
+        bound: &'static str,
+    },
+    /// A line has too few or too many values for what it names.
+    #[error("values of '{of}': expected {expected}, got {got}")]
+    ValueCount {
+        /// Whose values.
+        of: String,
+        /// As many as the skeleton has.
+        expected: usize,
+        /// As many as the line has.
+        got: usize,
+    },
+    /// Limits of an angle are two numbers in brackets, the lesser first.
+    #[error("'{value}' is no pair of limits such as (-10 20)")]
+    NotLimits {
+        /// What stands there.
+        value: String,
+    },
+    /// A bone that points nowhere.
+    #[error("bone '{bone}': its direction has no length")]
+    NoDirection {
+        /// Which bone.
+        bone: String,
+    },
+    /// More bones than any skeleton has.
+    #[error("more than {most} bones")]
+    TooManyBones {
+        /// How many there may be.
+        most: usize,
+    },
+    /// A name that is none of the skeleton's; told once for each name.
+    #[error("bone '{bone}' is not in the skeleton")]
+    NotInSkeleton {
+        /// The name.
+        bone: String,
+    },
+    /// Bones that hang from each other in a ring.
+    #[error("bone '{bone}' hangs from itself")]
+    HangsFromItself {
+        /// One of them.
+        bone: String,
+    },
+    /// A frame that does not tell all bones.
+    #[error(
+        "frame {frame}: without {}{}{}",
+        .bones.iter().map(|bone| format!("'{bone}'")).collect::<Vec<_>>().join(", "),
+        if *.more > 0 { format!(" and {more} more") } else { String::new() },
+        if *.at_end { " (hint: the file ends there)" } else { "" }
+    )]
+    MissingBones {
+        /// The frame's number.
+        frame: u64,
+        /// The first bones that are missing.
+        bones: Vec<String>,
+        /// How many are missing besides.
+        more: usize,
+        /// Nothing follows the frame.
+        at_end: bool,
+    },
+    /// Frames are left out.
+    #[error("frame {frame} comes after frame {before}: those between are missing")]
+    FrameGap {
+        /// The frame's number.
+        frame: u64,
+        /// The number before it.
+        before: u64,
+    },
+    /// The file breaks off in a line, whose last number may have lost digits.
+    #[error("the last line has no end: the file is cut (hint: if not, end it with a line break)")]
+    LineWithoutEnd,
     /// A person's frames make no sequence.
     #[error(transparent)]
     Sequence(#[from] SequenceError),

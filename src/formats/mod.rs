@@ -1,4 +1,5 @@
-//! Recordings as bytes → [`Recording`]s, and back: CSV and SBU text.
+//! Recordings as bytes → [`Recording`]s, and back: CSV and SBU text; one person's motion: ASF and
+//! AMC.
 //!
 //! A reader looks at the whole file and reports every violation it finds, each with its line, so
 //! that a file is mended in one round; what it returns holds everything [`Recording`] promises.
@@ -7,6 +8,7 @@
 //!
 //! Opens no file and does not look at names: what a file is called tells nothing about its bytes.
 
+pub mod amc;
 pub mod csv;
 mod detect;
 mod error;
