@@ -16,6 +16,7 @@ pub mod kinematics;
 pub mod learn;
 pub mod mesh;
 pub mod model;
+pub mod motion;
 pub mod predict;
 pub mod retarget;
 pub mod skeleton;

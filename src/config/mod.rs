@@ -17,6 +17,7 @@ use serde_json::Value;
 
 use crate::learn::{LearnMethod, LearnSettings};
 use crate::mesh::Kernel;
+use crate::motion::{Dimensions, MotionSettings, Neighbourhood};
 use crate::predict::{KnownJoints, PredictSettings};
 use crate::retarget::Transform;
 use fields::Fields;
@@ -38,6 +39,8 @@ pub struct Config {
     pub predict: PredictSettings,
     /// How edges are learned.
     pub learn: LearnSettings,
+    /// Where in the demonstrations a pose is, and what comes next.
+    pub motion: MotionSettings,
     /// Folds of an evaluation with more than twenty groups.
     pub folds: usize,
     /// Joints of the robot, by name, that no figure counts.
@@ -50,6 +53,7 @@ impl Default for Config {
             base_joint: "torso".to_owned(),
             predict: PredictSettings::default(),
             learn: LearnSettings::default(),
+            motion: MotionSettings::default(),
             folds: 10,
             ignored_joints: Vec::new(),
         }
@@ -185,7 +189,7 @@ impl Config {
     ///
     /// - `config`: what a key left out stays as.
     fn from_fields(fields: &mut Fields, mut config: Self) -> Self {
-        let Self { base_joint, predict, learn, folds, ignored_joints } = &mut config;
+        let Self { base_joint, predict, learn, motion, folds, ignored_joints } = &mut config;
         fields.text("robot.base_joint", base_joint);
         fields.float("observation.smoothing", &mut predict.smoothing, 0.0, 1.0);
         fields.float("alignment.pause_penalty", &mut predict.warp.pause_penalty, 0.0, 10.0);
@@ -221,6 +225,10 @@ impl Config {
         fields.count("learn.phases", &mut learn.phases, 1, 100);
         fields.float("learn.sparsity", &mut learn.sparsity, 0.0, 1e3);
         fields.float("learn.threshold", &mut learn.threshold, 0.0, 1.0);
+        dimensions(fields, &mut motion.dimensions);
+        let neighbourhoods = Neighbourhood::ALL.map(|n| (n.name(), n));
+        fields.choice("motion.neighbourhood", &mut motion.neighbourhood, &neighbourhoods);
+        fields.count("motion.neighbours", &mut motion.k, 1, 1000);
         fields.float("baseline.ridge_penalty", &mut predict.ridge_penalty, 1e-9, 1e6);
         fields.count("baseline.promp_bases", &mut predict.promp_bases, 2, 200);
         fields.float("baseline.promp_noise", &mut predict.promp_noise, 1e-6, 1e3);
@@ -229,6 +237,16 @@ impl Config {
         fields.texts("evaluate.ignored_joints", ignored_joints);
         config
     }
+}
+
+/// A number of latent dimensions; a share of the variance is nothing that a file holds.
+fn dimensions(fields: &mut Fields, dimensions: &mut Dimensions) {
+    let mut count = match *dimensions {
+        Dimensions::Count(count) => count,
+        Dimensions::Share(_) => 2,
+    };
+    fields.count("motion.dimensions", &mut count, 1, 1000);
+    *dimensions = Dimensions::Count(count);
 }
 
 /// The kernel is a choice, and its numbers belong to one of the choices.

@@ -12,6 +12,7 @@ mod displaced;
 mod figures;
 mod folds;
 mod leave_one_out;
+mod motion;
 mod predictors;
 mod report;
 mod scene;
@@ -23,6 +24,10 @@ pub use displaced::{ChangedClip, Displaced, displaced};
 pub use figures::{Figure, Figures};
 pub use folds::folds;
 pub use leave_one_out::leave_one_out;
+pub use motion::{
+    LeftOut, MotionEvaluation, MotionEvaluationError, MotionFold, MotionProtocol, NamedSequence,
+    PathErrors, cross_validate,
+};
 pub use predictors::{EvaluateError, EvaluateSettings};
 pub use report::{Clip, Evaluation, MethodFigures, MethodSummaries, Summaries};
 pub use scene::{KnownScene, Scene};

@@ -10,6 +10,7 @@ mod joints;
 mod mirror;
 mod part;
 mod recording;
+mod rootless;
 mod sequence;
 mod smooth;
 

@@ -6,6 +6,7 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use handover_mesh::formats::UpAxis;
 use handover_mesh::learn::LearnMethod;
+use handover_mesh::motion::Neighbourhood;
 use handover_mesh::predict::Method;
 
 /// Learns handovers from recordings of two people, and says what recordings hold.
@@ -51,6 +52,8 @@ pub(crate) enum Command {
     Replay(Replay),
     /// Measure all methods against what people did
     Evaluate(Evaluate),
+    /// Measure how well made-up motions resemble true ones
+    Motion(Motion),
     /// Say what files hold and what is wrong with them
     Check(Check),
 }
@@ -61,6 +64,7 @@ impl Command {
         match self {
             Self::Learn(learn) => learn.learning.parameters(),
             Self::Evaluate(evaluate) => evaluate.learning.parameters(),
+            Self::Motion(motion) => motion.parameters(),
             Self::Import(_) | Self::Replay(_) | Self::Check(_) => Vec::new(),
         }
     }
@@ -221,6 +225,72 @@ pub(crate) enum Protocol {
     /// The first recording retargeted to each of all, by meshes trained on one of them
     #[value(name = "thesis")]
     Thesis,
+}
+
+/// Measure how well made-up motions resemble true ones.
+///
+/// Poses without their root are projected into a latent space of few dimensions, where neighbours'
+/// velocities make a field. Each fold's sequences are left out; from the first pose of such a
+/// sequence the field of the others is followed for as many steps as it has, and the path compared
+/// with the true one: error A is how far apart they run, error F how near the path comes to the
+/// true end. Medians over the sequences, beside the paper's (Gauch & Peters, Table II).
+///
+/// Of a recording of two people the motion is the partner's. An AMC file takes the only .asf beside
+/// it.
+#[derive(Debug, Args)]
+pub(crate) struct Motion {
+    /// Motions (.amc), recordings (.csv, .txt), or folders searched for them
+    #[arg(value_name = "SEQUENCE", required = true)]
+    pub(crate) sequences: Vec<PathBuf>,
+    /// Latent dimensions [default: motion.dimensions, which is 2]
+    #[arg(long, value_name = "D", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub(crate) dims: Option<u16>,
+    /// The share of the variance that the latent dimensions are to explain, in place of their number
+    #[arg(long, value_name = "SHARE", conflicts_with = "dims", value_parser = share)]
+    pub(crate) variance: Option<f64>,
+    /// Whose velocities make the field at a place
+    #[arg(long, value_name = "N", default_value = "all", value_parser = neighbourhood_parser())]
+    pub(crate) neighbourhood: String,
+    /// Into how many folds the sequences are dealt
+    #[arg(long, value_name = "N", default_value_t = 4,
+          value_parser = clap::value_parser!(u32).range(2..=1000))]
+    pub(crate) folds: u32,
+    /// The person the robot stands in for, so that the other is its partner [default: giver, else
+    /// B]
+    #[arg(long, value_name = "R")]
+    pub(crate) role: Option<String>,
+    /// Write the JSON object to a file too (.json)
+    #[arg(long, short, value_name = "OUT")]
+    pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) selection: Selection,
+}
+
+impl Motion {
+    /// The parameters that the options stand for.
+    fn parameters(&self) -> Vec<(String, String)> {
+        let dims = self.dims.map(|dims| ("motion.dimensions".to_owned(), dims.to_string()));
+        dims.into_iter().collect()
+    }
+
+    /// The columns asked for.
+    pub(crate) fn neighbourhoods(&self) -> Vec<Neighbourhood> {
+        let wanted =
+            |n: &Neighbourhood| self.neighbourhood == "all" || self.neighbourhood == n.name();
+        Neighbourhood::ALL.into_iter().filter(wanted).collect()
+    }
+}
+
+fn neighbourhood_parser() -> PossibleValuesParser {
+    PossibleValuesParser::new(
+        Neighbourhood::ALL.map(Neighbourhood::name).into_iter().chain(["all"]),
+    )
+}
+
+/// A share above 0 and not above 1.
+fn share(text: &str) -> Result<f64, String> {
+    let share: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if share > 0.0 && share <= 1.0 { Ok(share) } else { Err("not above 0 and up to 1".to_owned()) }
 }
 
 /// Accepts the methods' names.

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::bail;
-use handover_mesh::Config;
 use handover_mesh::demonstration::Demonstration;
 use handover_mesh::mesh::Pair;
+use handover_mesh::{Config, Recording};
 
 use crate::UsageError;
 use crate::args::Selection;
@@ -93,7 +93,7 @@ fn take(
     }
     let role = match role {
         Some(role) => role.to_owned(),
-        None => default_role(&recordings)?,
+        None => default_role(recordings.iter().map(|loaded| &loaded.recording))?,
     };
     let first = recordings[0].recording.name().to_owned();
     let mut taken: Vec<(Arc<Demonstration>, String)> = Vec::new();
@@ -168,7 +168,7 @@ pub(crate) fn groups(
 }
 
 /// The value that occurs most often, the first of equals; `None` of nothing.
-fn most_common<T: PartialEq>(values: impl Iterator<Item = T>) -> Option<T> {
+pub(crate) fn most_common<T: PartialEq>(values: impl Iterator<Item = T>) -> Option<T> {
     let mut counts: Vec<(T, usize)> = Vec::new();
     for value in values {
         match counts.iter_mut().find(|(known, _)| *known == value) {
@@ -183,10 +183,16 @@ fn most_common<T: PartialEq>(values: impl Iterator<Item = T>) -> Option<T> {
         .map(|(v, _)| v)
 }
 
-fn default_role(recordings: &[files::Loaded]) -> anyhow::Result<String> {
-    let has = |role: &&str| recordings.iter().any(|loaded| loaded.recording.role(role).is_some());
+/// The role a robot takes where none is named.
+///
+/// # Errors
+/// If no recording has it.
+pub(crate) fn default_role<'a>(
+    recordings: impl Iterator<Item = &'a Recording> + Clone,
+) -> anyhow::Result<String> {
+    let has = |role: &&str| recordings.clone().any(|recording| recording.role(role).is_some());
     let Some(role) = DEFAULT_ROLES.iter().find(|role| has(role)) else {
-        let people = recordings.first().map(|loaded| loaded.recording.people());
+        let people = recordings.clone().next().map(Recording::people);
         let names: Vec<&str> = people.into_iter().flatten().map(|p| p.name.as_str()).collect();
         bail!("which person is the robot? name one with --role: {}", names.join(" or "));
     };

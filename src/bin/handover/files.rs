@@ -2,6 +2,7 @@
 //!
 //! The order is that of the arguments, and within a folder that of names, whatever the threads do.
 
+mod acclaim;
 mod names;
 mod search;
 mod write;
@@ -11,7 +12,7 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use handover_mesh::Recording;
-use handover_mesh::formats::{self, Format, ReadError, csv};
+use handover_mesh::formats::{self, Format, ReadError, amc, csv};
 use handover_mesh::model::Model;
 use rayon::prelude::*;
 use sha2::{Digest as _, Sha256};
@@ -36,6 +37,22 @@ pub(crate) struct Loaded {
     pub(crate) sha256: String,
 }
 
+impl Loaded {
+    /// The same under another name.
+    fn named(self, name: String) -> Self {
+        Self { recording: self.recording.renamed(name), ..self }
+    }
+}
+
+/// Somebody's motion as a file holds it.
+#[derive(Debug)]
+pub(crate) enum Motion {
+    /// Two people's joints.
+    People(Loaded),
+    /// One person's joint angles.
+    Angles(amc::Motion),
+}
+
 /// What is wrong at one place of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Fault {
@@ -46,10 +63,10 @@ pub(crate) struct Fault {
 
 /// A file and what came of reading it.
 #[derive(Debug)]
-pub(crate) struct ReadFile {
+pub(crate) struct ReadFile<T = Loaded> {
     /// As the arguments lead to it.
     pub(crate) path: PathBuf,
-    pub(crate) outcome: Result<Loaded, Vec<Fault>>,
+    pub(crate) outcome: Result<T, Vec<Fault>>,
 }
 
 /// A file that could not be read.
@@ -108,35 +125,72 @@ pub(crate) fn read_all(
     selection: &Selection,
     output: &Output,
 ) -> anyhow::Result<Vec<ReadFile>> {
-    let found = search::find(arguments, selection)?;
+    let read = |_: &Path, bytes: &[u8], place: &Place| parse(bytes, place, selection);
+    let read = read_each(arguments, selection, search::RECORDINGS, output, read)?;
+    let named = read.into_iter().map(|(mut file, name)| {
+        file.outcome = file.outcome.map(|loaded| loaded.named(name));
+        file
+    });
+    Ok(named.collect())
+}
+
+/// Reads all files that may hold somebody's motion: recordings, and AMC with the only ASF beside
+/// it. With each the name that reports call it.
+///
+/// # Errors
+/// As [`load`].
+pub(crate) fn read_motions(
+    arguments: &[PathBuf],
+    selection: &Selection,
+    output: &Output,
+) -> anyhow::Result<Vec<(ReadFile<Motion>, String)>> {
+    let read = |path: &Path, bytes: &[u8], place: &Place| {
+        if search::ends_in(path, &["amc"]) {
+            acclaim::read(path, bytes).map(Motion::Angles)
+        } else {
+            parse(bytes, place, selection).map(Motion::People)
+        }
+    };
+    read_each(arguments, selection, search::MOTIONS, output, read)
+}
+
+/// Reads files of some endings, each under a name of its own.
+fn read_each<T: Send>(
+    arguments: &[PathBuf],
+    selection: &Selection,
+    endings: &[&str],
+    output: &Output,
+    read: impl Fn(&Path, &[u8], &Place) -> Result<T, Vec<Fault>> + Sync,
+) -> anyhow::Result<Vec<(ReadFile<T>, String)>> {
+    let found = search::find(arguments, selection, endings)?;
     let progress = Progress::new(output, "reading", found.len());
-    let read: Vec<Option<(Place, ReadFile)>> = found
+    let read: Vec<Option<(Place, ReadFile<T>)>> = found
         .into_par_iter()
         .map(|found| {
-            let read = read_one(found, selection);
+            let read = read_one(found, selection, &read);
             progress.step();
             read
         })
         .collect();
     drop(progress);
-    let (places, mut files): (Vec<Place>, Vec<ReadFile>) = read.into_iter().flatten().unzip();
+    let (places, files): (Vec<Place>, Vec<ReadFile<T>>) = read.into_iter().flatten().unzip();
     if files.is_empty() {
         let folders: Vec<_> = arguments.iter().map(|path| path.display().to_string()).collect();
         anyhow::bail!(
-            "no recording (.csv, .txt) in {} is of the class asked for",
+            "no recording ({}) in {} is of the class asked for",
+            search::listed(endings),
             folders.join(", ")
         );
     }
-    for (file, name) in files.iter_mut().zip(distinct_names(places)) {
-        if let Ok(loaded) = &mut file.outcome {
-            loaded.recording = loaded.recording.clone().renamed(name);
-        }
-    }
-    Ok(files)
+    Ok(files.into_iter().zip(distinct_names(places)).collect())
 }
 
 /// `None` if the file is not of the class asked for.
-fn read_one(found: Found, selection: &Selection) -> Option<(Place, ReadFile)> {
+fn read_one<T>(
+    found: Found,
+    selection: &Selection,
+    read: impl Fn(&Path, &[u8], &Place) -> Result<T, Vec<Fault>>,
+) -> Option<(Place, ReadFile<T>)> {
     let Found { path, fault } = found;
     let place = Place::of(&path);
     let outcome = match fault.map_or_else(|| bytes(&path), |fault| Err(vec![fault])) {
@@ -147,16 +201,19 @@ fn read_one(found: Found, selection: &Selection) -> Option<(Place, ReadFile)> {
             if selection.class.is_some() && class != selection.class.as_deref() {
                 return None;
             }
-            parse(&bytes, &place, selection).map_err(|error| faults(&error))
+            read(&path, &bytes, &place)
         }
     };
     Some((place, ReadFile { path, outcome }))
 }
 
-fn parse(bytes: &[u8], place: &Place, selection: &Selection) -> Result<Loaded, ReadError> {
-    let format = formats::detect(bytes)?;
-    let recording = formats::read(bytes, &place.name(0), selection.up_axis())?;
-    let recording = recording.with_metadata(place.metadata());
+fn parse(bytes: &[u8], place: &Place, selection: &Selection) -> Result<Loaded, Vec<Fault>> {
+    let read = || {
+        let format = formats::detect(bytes)?;
+        let recording = formats::read(bytes, &place.name(0), selection.up_axis())?;
+        Ok((format, recording.with_metadata(place.metadata())))
+    };
+    let (format, recording) = read().map_err(|error| faults(&error))?;
     Ok(Loaded { recording, format, sha256: sha256(bytes) })
 }
 

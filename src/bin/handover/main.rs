@@ -8,10 +8,12 @@ mod evaluate;
 mod files;
 mod import;
 mod learn;
+mod motion;
 mod output;
 mod plot;
 mod progress;
 mod replay;
+mod sequences;
 mod tables;
 mod thesis;
 
@@ -73,6 +75,7 @@ fn run(arguments: &Arguments, output: &Output) -> anyhow::Result<Outcome> {
         Command::Learn(learn) => learn::run(learn, &config, output),
         Command::Replay(replay) => replay::run(replay, &arguments.global, &config, output),
         Command::Evaluate(evaluate) => evaluate::run(evaluate, &config, output),
+        Command::Motion(motion) => motion::run(motion, &config, output),
         Command::Check(check) => check::run(check, output),
     }
 }

@@ -11,7 +11,9 @@ use super::Fault;
 use crate::args::Selection;
 
 /// Endings of files that may be recordings.
-const ENDINGS: [&str; 2] = ["csv", "txt"];
+pub(super) const RECORDINGS: &[&str] = &["csv", "txt"];
+/// Endings of files that may hold somebody's motion: recordings, and one person's joint angles.
+pub(super) const MOTIONS: &[&str] = &["csv", "txt", "amc"];
 /// No tree of recordings is as deep.
 const DEEPEST: usize = 64;
 
@@ -23,17 +25,23 @@ pub(super) struct Found {
 }
 
 /// The files that the arguments name, and those in the folders they name; each once.
-pub(super) fn find(arguments: &[PathBuf], selection: &Selection) -> anyhow::Result<Vec<Found>> {
+///
+/// - `endings`: of the files that a folder is searched for.
+pub(super) fn find(
+    arguments: &[PathBuf],
+    selection: &Selection,
+    endings: &[&str],
+) -> anyhow::Result<Vec<Found>> {
     let mut found = Vec::new();
     for argument in arguments {
         let about = about(argument)?;
         let mut here = Vec::new();
         if about.is_dir() {
-            search(argument, 0, &mut here);
+            search(argument, 0, endings, &mut here);
             here.retain(|file| matches(file, argument, selection));
             if here.is_empty() {
                 let which = if selection.filter.is_some() { " matches the filter" } else { "" };
-                bail!("{}: no recording (.csv, .txt){which}", argument.display());
+                bail!("{}: no recording ({}){which}", argument.display(), listed(endings));
             }
         } else {
             here.push(Found { path: argument.clone(), fault: None });
@@ -79,7 +87,7 @@ fn matches(file: &Found, folder: &Path, selection: &Selection) -> bool {
 }
 
 /// Adds the folder's files in name order. Hidden ones are none of ours, linked folders may circle.
-fn search(folder: &Path, depth: usize, found: &mut Vec<Found>) {
+fn search(folder: &Path, depth: usize, endings: &[&str], found: &mut Vec<Found>) {
     let mut fail = |path: &Path, reason: String| {
         found.push(Found { path: path.into(), fault: Some(Fault::of_file(reason)) });
     };
@@ -98,8 +106,9 @@ fn search(folder: &Path, depth: usize, found: &mut Vec<Found>) {
             continue;
         }
         if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
-            search(&path, depth + 1, found);
-        } else if is_recording(&path) && fs::metadata(&path).is_ok_and(|about| about.is_file()) {
+            search(&path, depth + 1, endings, found);
+        } else if ends_in(&path, endings) && fs::metadata(&path).is_ok_and(|about| about.is_file())
+        {
             found.push(Found { path, fault: None });
         }
     }
@@ -107,6 +116,16 @@ fn search(folder: &Path, depth: usize, found: &mut Vec<Found>) {
 
 /// Whether a file's ending says that it may be a recording.
 pub(super) fn is_recording(path: &Path) -> bool {
+    ends_in(path, RECORDINGS)
+}
+
+/// Whether a file's ending is one of these.
+pub(crate) fn ends_in(path: &Path, endings: &[&str]) -> bool {
     let ending = path.extension().and_then(|ending| ending.to_str());
-    ending.is_some_and(|ending| ENDINGS.iter().any(|known| known.eq_ignore_ascii_case(ending)))
+    ending.is_some_and(|ending| endings.iter().any(|known| known.eq_ignore_ascii_case(ending)))
+}
+
+/// `.csv, .txt`.
+pub(super) fn listed(endings: &[&str]) -> String {
+    endings.iter().map(|ending| format!(".{ending}")).collect::<Vec<_>>().join(", ")
 }
