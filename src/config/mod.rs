@@ -15,9 +15,10 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 
+use crate::forecast::ForecastSettings;
 use crate::learn::{LearnMethod, LearnSettings};
 use crate::mesh::Kernel;
-use crate::motion::{Dimensions, MotionSettings, Neighbourhood};
+use crate::motion::{Dimensions, MotionSettings};
 use crate::predict::{KnownJoints, PredictSettings};
 use crate::retarget::Transform;
 use fields::Fields;
@@ -41,6 +42,8 @@ pub struct Config {
     pub learn: LearnSettings,
     /// Where in the demonstrations a pose is, and what comes next.
     pub motion: MotionSettings,
+    /// How the partner is forecast.
+    pub forecast: ForecastSettings,
     /// Folds of an evaluation with more than twenty groups.
     pub folds: usize,
     /// Joints of the robot, by name, that no figure counts.
@@ -54,6 +57,7 @@ impl Default for Config {
             predict: PredictSettings::default(),
             learn: LearnSettings::default(),
             motion: MotionSettings::default(),
+            forecast: ForecastSettings::default(),
             folds: 10,
             ignored_joints: Vec::new(),
         }
@@ -189,7 +193,8 @@ impl Config {
     ///
     /// - `config`: what a key left out stays as.
     fn from_fields(fields: &mut Fields, mut config: Self) -> Self {
-        let Self { base_joint, predict, learn, motion, folds, ignored_joints } = &mut config;
+        let Self { base_joint, predict, learn, motion, forecast, folds, ignored_joints } =
+            &mut config;
         fields.text("robot.base_joint", base_joint);
         fields.float("observation.smoothing", &mut predict.smoothing, 0.0, 1.0);
         fields.float("alignment.pause_penalty", &mut predict.warp.pause_penalty, 0.0, 10.0);
@@ -226,9 +231,17 @@ impl Config {
         fields.float("learn.sparsity", &mut learn.sparsity, 0.0, 1e3);
         fields.float("learn.threshold", &mut learn.threshold, 0.0, 1.0);
         dimensions(fields, &mut motion.dimensions);
-        let neighbourhoods = Neighbourhood::ALL.map(|n| (n.name(), n));
-        fields.choice("motion.neighbourhood", &mut motion.neighbourhood, &neighbourhoods);
         fields.count("motion.neighbours", &mut motion.k, 1, 1000);
+        fields.float("forecast.velocity_window", &mut forecast.velocity_window, 0.001, 10.0);
+        fields.float("forecast.velocity_weight", &mut forecast.velocity_weight, 1e-3, 1e3);
+        fields.float("forecast.smoothing", &mut forecast.smoothing, 0.0, 1.0);
+        fields.float("forecast.ridge_penalty", &mut forecast.ridge_penalty, 1e-9, 1e6);
+        fields.count("forecast.dimensions", &mut forecast.dimensions, 1, 1000);
+        fields.count("forecast.simplex_dimensions", &mut forecast.simplex_dimensions, 2, 4);
+        fields.count("forecast.neighbours", &mut forecast.neighbours, 1, 1000);
+        fields.count("forecast.averaged", &mut forecast.averaged, 1, 10_000);
+        fields.float("forecast.joint_damping", &mut forecast.joint_damping, 1e-3, 1e3);
+        fields.float("forecast.root_damping", &mut forecast.root_damping, 1e-3, 1e3);
         fields.float("baseline.ridge_penalty", &mut predict.ridge_penalty, 1e-9, 1e6);
         fields.count("baseline.promp_bases", &mut predict.promp_bases, 2, 200);
         fields.float("baseline.promp_noise", &mut predict.promp_noise, 1e-6, 1e3);

@@ -11,6 +11,7 @@ mod condition;
 mod displaced;
 mod figures;
 mod folds;
+mod forecast;
 mod leave_one_out;
 mod motion;
 mod predictors;
@@ -23,6 +24,10 @@ pub use condition::{Condition, Direction};
 pub use displaced::{ChangedClip, Displaced, displaced};
 pub use figures::{Figure, Figures};
 pub use folds::folds;
+pub use forecast::{
+    ForecastClip, ForecastErrors, ForecastEvaluation, ForecastEvaluationError, ForecastProtocol,
+    forecast,
+};
 pub use leave_one_out::leave_one_out;
 pub use motion::{
     LeftOut, MotionEvaluation, MotionEvaluationError, MotionFold, MotionProtocol, NamedSequence,

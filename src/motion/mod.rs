@@ -27,7 +27,7 @@ pub use field::{FollowSettings, Path, Stop};
 pub use graph::MotionGraph;
 pub use model::{MotionModel, MotionSettings};
 pub use nearest::{Near, Nearest};
-pub use neighbourhood::{Around, Neighbour, Neighbourhood};
+pub use neighbourhood::{Around, Neighbour, Neighbourhood, Neighbours};
 pub use paths::{ShortestPaths, Transition};
 pub use pca::{Dimensions, Pca};
 pub use rows::{LARGEST, Rows};

@@ -74,8 +74,19 @@ impl Around {
 }
 
 /// Latent points, ready to be asked for neighbours; immutable.
+///
+/// ```
+/// use handover_mesh::motion::{Neighbourhood, Neighbours, Rows};
+/// let corners = Rows::new(2, vec![0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 9.0, 9.0])?;
+/// let neighbours = Neighbours::new(corners, Neighbourhood::Delaunay, 2)?;
+/// let mut around = neighbours.around();
+/// neighbours.find(&[0.2, 0.2], &mut around);
+/// let total: f64 = around.neighbours().iter().map(|neighbour| neighbour.weight).sum();
+/// assert!((total - 1.0).abs() < 1e-12 && around.neighbours().len() == 3);
+/// # Ok::<(), handover_mesh::motion::MotionError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Neighbours {
+pub struct Neighbours {
     points: Rows,
     nearest: Nearest,
     complex: Option<Complex>,
@@ -86,11 +97,13 @@ pub(super) struct Neighbours {
 }
 
 impl Neighbours {
-    pub(super) fn new(
-        points: Rows,
-        neighbourhood: Neighbourhood,
-        k: usize,
-    ) -> Result<Self, MotionError> {
+    /// Lays the points out, and triangulates them where the neighbourhood has simplices.
+    ///
+    /// - `k`: how many nearest points are neighbours; at least 1.
+    ///
+    /// # Errors
+    /// [`MotionError::Dimensions`], [`MotionError::Delaunay`] of neighbourhoods with simplices.
+    pub fn new(points: Rows, neighbourhood: Neighbourhood, k: usize) -> Result<Self, MotionError> {
         let complex = match neighbourhood {
             Neighbourhood::Knn => None,
             Neighbourhood::Delaunay | Neighbourhood::KDelaunay => Some(Complex::new(&points)?),
@@ -103,20 +116,23 @@ impl Neighbours {
         Ok(Self { points, nearest, complex, copies, neighbourhood, k })
     }
 
-    pub(super) fn points(&self) -> &Rows {
+    /// The points.
+    pub fn points(&self) -> &Rows {
         &self.points
     }
 
-    pub(super) fn complex(&self) -> Option<&Complex> {
+    /// The triangulation, where the neighbourhood has simplices.
+    pub fn complex(&self) -> Option<&Complex> {
         self.complex.as_ref()
     }
 
-    pub(super) fn neighbourhood(&self) -> Neighbourhood {
+    /// Which of them are around a place.
+    pub fn neighbourhood(&self) -> Neighbourhood {
         self.neighbourhood
     }
 
     /// Room for any search, so that none allocates.
-    pub(super) fn around(&self) -> Around {
+    pub fn around(&self) -> Around {
         let corners = self.complex.as_ref().map_or(0, |complex| complex.dimensions() + 1);
         let most = self.k + corners + self.copies.len();
         Around {
@@ -126,8 +142,13 @@ impl Neighbours {
         }
     }
 
-    /// Finds the poses around a place.
-    pub(super) fn find(&self, place: &[f64], around: &mut Around) {
+    /// Finds the points around a place, and how much each counts.
+    ///
+    /// Without allocation if `around` is from [`Self::around`].
+    ///
+    /// # Panics
+    /// If `place` has other dimensions than the points: the caller's bug.
+    pub fn find(&self, place: &[f64], around: &mut Around) {
         around.neighbours.clear();
         around.near.clear();
         around.outside = false;

@@ -8,7 +8,6 @@
 mod aligned;
 mod attach;
 mod edges;
-mod linear;
 mod method;
 mod problem;
 mod promp;

@@ -7,10 +7,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::PredictSettings;
 use super::aligned::Alignment;
-use super::{PredictSettings, linear};
 use crate::demonstration::Observation;
 use crate::geometry::{Point, Vector};
+use crate::linear;
 
 pub(super) fn predict(
     observation: &Observation,

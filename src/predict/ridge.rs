@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
-use super::linear;
 use crate::demonstration::{Demonstration, Observation};
 use crate::geometry::{Isometry, Point, Vector, yaw_isometry};
+use crate::linear;
 
 /// `y = mean + (x − mean) B`: `x` the partner's joints from the robot's base, `y` the robot's.
 #[derive(Debug, Clone)]

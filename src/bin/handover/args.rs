@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use handover_mesh::forecast::ForecastMethod;
 use handover_mesh::formats::UpAxis;
 use handover_mesh::learn::LearnMethod;
 use handover_mesh::motion::Neighbourhood;
@@ -159,6 +160,9 @@ pub(crate) struct Replay {
 ///
 /// thesis: the first recording is retargeted to each of all, by an interaction mesh that was trained
 /// on one of them: a row a training, a column a target, in metres over all joints and frames.
+///
+/// forecast: where the partner's active hand (wrist) and all joints are 100 to 500 ms later, said
+/// from the past alone by what was learned from other clips.
 #[derive(Debug, Args)]
 pub(crate) struct Evaluate {
     /// Recordings, or folders searched for recordings (.csv, .txt)
@@ -173,8 +177,8 @@ pub(crate) struct Evaluate {
     /// Clips with this metadata in common never learn from each other, e.g. pair
     #[arg(long, value_name = "KEY")]
     pub(crate) group: Option<String>,
-    /// The methods to compare, separated by commas [default: all]
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = method_parser())]
+    /// The methods to compare, separated by commas [default: all of the protocol's]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = any_method_parser())]
     pub(crate) methods: Vec<String>,
     /// Folds where there are more than twenty clips or groups [default: evaluate.folds]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1000))]
@@ -225,6 +229,9 @@ pub(crate) enum Protocol {
     /// The first recording retargeted to each of all, by meshes trained on one of them
     #[value(name = "thesis")]
     Thesis,
+    /// The partner's joints some tenths of a second ahead, each clip from the others
+    #[value(name = "forecast")]
+    Forecast,
 }
 
 /// Measure how well made-up motions resemble true ones.
@@ -296,6 +303,16 @@ fn share(text: &str) -> Result<f64, String> {
 /// Accepts the methods' names.
 fn method_parser() -> PossibleValuesParser {
     PossibleValuesParser::new(Method::ALL.map(Method::name))
+}
+
+/// Accepts the names of methods of any protocol, each once.
+fn any_method_parser() -> PossibleValuesParser {
+    let mut names = Method::ALL.map(Method::name).to_vec();
+    let forecasts = ForecastMethod::ALL.map(ForecastMethod::name);
+    names.extend(
+        forecasts.into_iter().filter(|name| !Method::ALL.iter().any(|m| m.name() == *name)),
+    );
+    PossibleValuesParser::new(names)
 }
 
 /// `key=value`.

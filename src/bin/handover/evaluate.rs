@@ -4,7 +4,10 @@ use std::path::Path;
 
 use anyhow::{Context as _, bail};
 use handover_mesh::Config;
-use handover_mesh::evaluate::{self, Condition, EvaluateSettings, displaced, leave_one_out};
+use handover_mesh::evaluate::{
+    self, Condition, EvaluateSettings, ForecastProtocol, displaced, leave_one_out,
+};
+use handover_mesh::forecast::ForecastMethod;
 use handover_mesh::predict::Method;
 use serde_json::Value;
 
@@ -28,15 +31,15 @@ pub(crate) fn run(
     let Loaded { demonstrations, role, left_out, first_left_out, .. } =
         demonstrations::load(demonstrations, role, selection, config, output)?;
     let groups = demonstrations::groups(&demonstrations, arguments.group.as_deref())?;
+    let folds = arguments.folds.map_or(config.folds, |folds| folds as usize);
     let settings = EvaluateSettings {
-        methods: methods(&arguments.methods),
-        folds: arguments.folds.map_or(config.folds, |folds| folds as usize),
+        methods: methods(&arguments.methods, &Method::ALL, Method::name),
+        folds,
         ignored_joints: config.ignored_joints.clone(),
         predict: config.predict.clone(),
         learn: config.learn.clone(),
     };
-    let folds =
-        evaluate::folds(&groups, settings.folds).into_iter().max().map_or(0, |last| last + 1);
+    let folds = evaluate::folds(&groups, folds).into_iter().max().map_or(0, |last| last + 1);
     let progress = |steps| Progress::new(output, "learning and evaluating", folds + steps);
     let (clips, out) = (demonstrations.len(), out.as_deref());
     let whole = match arguments.protocol {
@@ -74,6 +77,19 @@ pub(crate) fn run(
             }
             true
         }
+        Protocol::Forecast => {
+            let protocol = ForecastProtocol {
+                methods: methods(&arguments.methods, &ForecastMethod::ALL, ForecastMethod::name),
+                folds: settings.folds,
+                settings: config.forecast.clone(),
+            };
+            let progress = progress(clips);
+            let found = evaluate::forecast(&demonstrations, &groups, &protocol, || progress.step());
+            drop(progress);
+            let found = found.context("cannot evaluate")?;
+            say(output, out, &[], || tables::forecast(&found, &role), &found.to_json(&role))?;
+            true
+        }
     };
     Ok(if whole && left_out == 0 { Outcome::Done } else { Outcome::Loss })
 }
@@ -98,8 +114,8 @@ fn say(
     Ok(())
 }
 
-/// The methods asked for, each once, in the tables' order; all where none is named.
-fn methods(names: &[String]) -> Vec<Method> {
-    let wanted = |method: &Method| names.is_empty() || names.iter().any(|n| n == method.name());
-    Method::ALL.into_iter().filter(wanted).collect()
+/// The protocol's methods of these names, each once, in the tables' order; all where none is named.
+fn methods<M: Copy>(names: &[String], all: &[M], name: fn(M) -> &'static str) -> Vec<M> {
+    let wanted = |method: &M| names.is_empty() || names.iter().any(|n| n == name(*method));
+    all.iter().copied().filter(wanted).collect()
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use handover_mesh::evaluate::{
-    Condition, Displaced, Evaluation, Figure, MethodSummaries, Summaries,
+    Condition, Displaced, Evaluation, Figure, ForecastEvaluation, MethodSummaries, Summaries,
 };
 use handover_mesh::statistics::Summary;
 
@@ -48,6 +48,38 @@ pub(crate) fn displaced(displaced: &Displaced, role: &str) -> String {
         scales * clips,
         table(named(&displaced.scaled)),
     )
+}
+
+/// The partner's active hand, then all joints: a line a method, a column a horizon.
+pub(crate) fn forecast(forecast: &ForecastEvaluation, role: &str) -> String {
+    let ForecastEvaluation { methods, horizons, clips, wrist, joint } = forecast;
+    let frames: usize = clips.iter().map(|clip| clip.frames).sum();
+    let mut text = format!(
+        "forecast: {} clips, {frames} frames, the robot is {role}, its partner is forecast\n\
+         mean / median over the clips [cm], and the 95 % interval of the mean at each horizon\n",
+        clips.len(),
+    );
+    for (what, summaries) in [("wrist", wrist), ("joints", joint)] {
+        let _ = write!(text, "\n{what:18}");
+        for horizon in horizons {
+            let _ = write!(text, "{:>28}", format!("{:.0} ms", 1e3 * horizon));
+        }
+        text.push('\n');
+        for (method, summaries) in methods.iter().zip(summaries) {
+            let _ = write!(text, "{:18}", method.name());
+            for summary in summaries {
+                let cell = summary.map_or(
+                    "-".to_owned(),
+                    |Summary { mean, median, low, high, .. }| {
+                        format!("{mean:.1} / {median:.1} ({low:.1} - {high:.1})")
+                    },
+                );
+                let _ = write!(text, "{cell:>28}");
+            }
+            text.push('\n');
+        }
+    }
+    text
 }
 
 /// Methods by their names.

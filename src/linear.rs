@@ -1,4 +1,6 @@
 //! Ridge-regularised least squares, shared by the regressions.
+//!
+//! Knows nothing of what the numbers mean.
 
 use nalgebra::DMatrix;
 
@@ -6,7 +8,7 @@ use nalgebra::DMatrix;
 ///
 /// `x` is samples × inputs, `y` samples × outputs; `penalty > 0` makes the system positive
 /// definite whatever `x` holds.
-pub(super) fn ridge(x: &DMatrix<f64>, y: &DMatrix<f64>, penalty: f64) -> DMatrix<f64> {
+pub(crate) fn ridge(x: &DMatrix<f64>, y: &DMatrix<f64>, penalty: f64) -> DMatrix<f64> {
     let mut normal = x.tr_mul(x);
     for i in 0..normal.nrows() {
         normal[(i, i)] += penalty;

@@ -1,0 +1,179 @@
+//! Demonstrated moments in latent spaces, and what really came next.
+//!
+//! The nearest moments are looked for among all features, in their principal directions. Simplices
+//! need fewer dimensions, so theirs are those along which ridge regression expects motions to
+//! differ: the principal directions of what it predicts (reduced-rank regression, Izenman 1975).
+
+use super::ForecastSettings;
+use super::examples::Examples;
+use super::regression::Regression;
+use crate::motion::{
+    Around, Dimensions, MotionError, Nearest, Neighbourhood, Neighbours, Pca, Rows,
+};
+
+/// The most moments whose spread latent directions are taken from: more change them little.
+const MOST_SPREAD: usize = 2000;
+
+/// Demonstrated moments as latent points, each with its displacement over the horizons.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Fields {
+    pub(super) regression: Regression,
+    features: Pca,
+    nearest: Neighbours,
+    /// `moments × horizons × joints` `[m]`.
+    displacements: Vec<f64>,
+    expected: Pca,
+    delaunay: Neighbours,
+    k_delaunay: Neighbours,
+    /// The same, averaged over the moments nearest to each: a simplex has too few corners to even
+    /// out how much single motions scatter.
+    averaged: Vec<f64>,
+}
+
+/// What a search through the fields keeps.
+#[derive(Debug, Clone)]
+pub(super) struct Search {
+    features: Vec<f64>,
+    nearest: Around,
+    expected: Vec<f64>,
+    delaunay: Around,
+    k_delaunay: Around,
+}
+
+impl Fields {
+    /// # Errors
+    /// [`MotionError`] if the moments span too few dimensions for simplices.
+    pub(super) fn fit(
+        examples: &Examples,
+        settings: &ForecastSettings,
+    ) -> Result<Self, MotionError> {
+        let outputs = settings.horizons.len() * examples.joints;
+        let regression = Regression::fit(examples, settings.horizons.len(), settings.ridge_penalty);
+        let mut expected = vec![0.0; examples.len() * outputs];
+        for (moment, row) in expected.chunks_exact_mut(outputs).enumerate() {
+            regression.predict(examples.features_of(moment), row);
+        }
+        let seen = Rows::new(examples.width, examples.features.clone())?;
+        let (features, points) = latent(&seen, settings.dimensions)?;
+        let k = settings.neighbours;
+        let nearest = Neighbours::new(points, Neighbourhood::Knn, k)?;
+        let (expected, points) =
+            latent(&Rows::new(outputs, expected)?, settings.simplex_dimensions)?;
+        let averaged = averaged(examples, &points, settings);
+        Ok(Self {
+            regression,
+            features,
+            nearest,
+            displacements: completed(examples, &averaged, outputs),
+            expected,
+            delaunay: Neighbours::new(points.clone(), Neighbourhood::Delaunay, k)?,
+            k_delaunay: Neighbours::new(points, Neighbourhood::KDelaunay, k)?,
+            averaged,
+        })
+    }
+
+    /// Room for searches.
+    pub(super) fn search(&self) -> Search {
+        Search {
+            features: vec![0.0; self.features.dimensions()],
+            nearest: self.nearest.around(),
+            expected: vec![0.0; self.expected.dimensions()],
+            delaunay: self.delaunay.around(),
+            k_delaunay: self.k_delaunay.around(),
+        }
+    }
+
+    /// The mean displacement of the moments around one, by their weights; overwritten.
+    ///
+    /// - `features`: of the moment.
+    /// - `expected`: what [`Self::regression`] expects of it.
+    pub(super) fn predict(
+        &self,
+        neighbourhood: Neighbourhood,
+        features: &[f64],
+        expected: &[f64],
+        search: &mut Search,
+        displacement: &mut [f64],
+    ) {
+        let (around, values) = match neighbourhood {
+            Neighbourhood::Knn => {
+                self.features.project_pose(features, &mut search.features);
+                self.nearest.find(&search.features, &mut search.nearest);
+                (&search.nearest, &self.displacements)
+            }
+            Neighbourhood::Delaunay => {
+                self.expected.project_pose(expected, &mut search.expected);
+                self.delaunay.find(&search.expected, &mut search.delaunay);
+                (&search.delaunay, &self.averaged)
+            }
+            Neighbourhood::KDelaunay => {
+                self.expected.project_pose(expected, &mut search.expected);
+                self.k_delaunay.find(&search.expected, &mut search.k_delaunay);
+                (&search.k_delaunay, &self.averaged)
+            }
+        };
+        displacement.fill(0.0);
+        for neighbour in around.neighbours() {
+            let row = neighbour.pose as usize * displacement.len();
+            let of = &values[row..][..displacement.len()];
+            displacement.iter_mut().zip(of).for_each(|(d, v)| *d += neighbour.weight * v);
+        }
+    }
+}
+
+/// The principal directions of rows, and the rows along them; fewer where they span fewer.
+fn latent(rows: &Rows, dimensions: usize) -> Result<(Pca, Rows), MotionError> {
+    let step = rows.len().div_ceil(MOST_SPREAD).max(1);
+    let spread = rows.iter().step_by(step).flatten().copied().collect();
+    let spread = Rows::new(rows.width(), spread)?;
+    let pca = match Pca::fit(&spread, Dimensions::Count(dimensions)) {
+        Err(MotionError::Rank { rank, .. }) if rank > 0 => {
+            Pca::fit(&spread, Dimensions::Count(rank))?
+        }
+        fitted => fitted?,
+    };
+    let points = pca.project(rows);
+    Ok((pca, points))
+}
+
+/// Every moment's displacement as the mean over those nearest to it, itself among them, as far as
+/// their motions reach. Where none reaches a horizon, the displacement over the one before stays.
+fn averaged(examples: &Examples, points: &Rows, settings: &ForecastSettings) -> Vec<f64> {
+    let (horizons, joints) = (settings.horizons.len(), examples.joints);
+    let nearest = Nearest::new(points);
+    let mut near = Vec::with_capacity(settings.averaged);
+    let mut averaged = vec![0.0; examples.len() * horizons * joints];
+    for (point, means) in points.iter().zip(averaged.chunks_exact_mut(horizons * joints)) {
+        nearest.nearest(point, settings.averaged, &mut near);
+        for horizon in 0..horizons {
+            let (before, mean) = means.split_at_mut(horizon * joints);
+            let mean = &mut mean[..joints];
+            let mut count = 0.0;
+            for near in &near {
+                let moment = near.point as usize;
+                if examples.reach[moment] as usize > horizon {
+                    let of = examples.displacement_of(moment, horizon, horizons);
+                    mean.iter_mut().zip(of).for_each(|(m, d)| *m += d);
+                    count += 1.0;
+                }
+            }
+            if count > 0.0 {
+                mean.iter_mut().for_each(|m| *m /= count);
+            } else if let Some(before) = before.rchunks_exact(joints).next() {
+                mean.copy_from_slice(before);
+            }
+        }
+    }
+    averaged
+}
+
+/// Every moment's own displacement; beyond its motion's end, the averaged one.
+fn completed(examples: &Examples, averaged: &[f64], outputs: usize) -> Vec<f64> {
+    let mut completed = examples.displacements.clone();
+    let rows = completed.chunks_exact_mut(outputs).zip(averaged.chunks_exact(outputs));
+    for ((own, mean), reach) in rows.zip(&examples.reach) {
+        let from = *reach as usize * examples.joints;
+        own[from..].copy_from_slice(&mean[from..]);
+    }
+    completed
+}
