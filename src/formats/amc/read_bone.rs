@@ -140,7 +140,7 @@ impl<'a> BoneDraft<'a> {
             unit
         });
         let length = length.and_then(|length| {
-            let metres = field::within_reach(length * scale, || key("length"));
+            let metres = field::within_reach(length * scale, || format!("length of {label}"));
             metres.map_err(|reason| violations.add(self.start, reason)).ok()
         });
         let axes = self.dofs.unwrap_or(Some(Vec::new()));
