@@ -38,7 +38,7 @@ fn broken_skeletons_are_named() {
         "axis XXZ",
         "line 12: order of axes 'XXZ' is not known (known are: XYZ, XZY, YXZ, YZX, ZXY, ZYX)",
     );
-    check("position 0 0 0", "position 0 inf 0", "line 13: field 'y': 'inf' is not finite");
+    check("position 0 0 0", "position 0 inf 0", "line 13: field 'position y': 'inf' is not finite");
     check("   position 0 0 0\n", "", "line 10: 'position' is missing");
     check(
         "name shin",

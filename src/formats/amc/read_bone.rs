@@ -4,7 +4,8 @@ use super::super::error::{Reason, Violations, shortened};
 use super::super::field;
 use super::axes::{Axis, Order};
 use super::lines::{AngleUnit, first_word, numbers, one_word, unknown};
-use super::read_skeleton::{Slot, axis_order, put, take};
+use super::read_root::axis_order;
+use super::read_skeleton::{Slot, put, take};
 use super::skeleton::{Bone, Dof};
 use crate::geometry::Vector;
 
