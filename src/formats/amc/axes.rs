@@ -5,6 +5,11 @@ use nalgebra::{UnitQuaternion, UnitVector3};
 use crate::geometry::Vector;
 
 /// An axis of a right-handed frame.
+///
+/// ```
+/// use handover_mesh::{Vector, formats::amc::Axis};
+/// assert_eq!(Vector::new(1.0, 2.0, 3.0)[Axis::Y.index()], 2.0);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Axis {
     /// The first.

@@ -16,6 +16,7 @@ mod lines;
 mod motion;
 mod read_bone;
 mod read_motion;
+mod read_root;
 mod read_skeleton;
 mod skeleton;
 

@@ -4,7 +4,8 @@ use super::super::error::{Reason, Violations, shortened};
 use super::super::field;
 use super::axes::{Axis, Order};
 use super::lines::{AngleUnit, first_word, numbers, one_word, unknown};
-use super::read_skeleton::{Slot, axis_order, put, take};
+use super::read_root::axis_order;
+use super::read_skeleton::{Slot, put, take};
 use super::skeleton::{Bone, Dof};
 use crate::geometry::Vector;
 
@@ -140,7 +141,7 @@ impl<'a> BoneDraft<'a> {
             unit
         });
         let length = length.and_then(|length| {
-            let metres = field::within_reach(length * scale, || key("length"));
+            let metres = field::within_reach(length * scale, || format!("length of {label}"));
             metres.map_err(|reason| violations.add(self.start, reason)).ok()
         });
         let axes = self.dofs.unwrap_or(Some(Vec::new()));

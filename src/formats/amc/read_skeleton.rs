@@ -4,12 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::super::error::{ReadError, Reason, Violations, shortened};
 use super::super::field;
-use super::axes::{Axis, Order};
 use super::hierarchy::{self, Link, ROOT};
 use super::lines::{AngleUnit, first_word, lines, numbers, one_word, unknown};
 use super::read_bone::BoneDraft;
-use super::skeleton::{Asf, Bone, BoneId, RootAtRest, RootChannel};
-use crate::geometry::Vector;
+use super::read_root::RootDraft;
+use super::skeleton::{Asf, Bone, BoneId};
 
 /// The sections of an ASF file; what the first three say is free.
 pub(in crate::formats) const SECTIONS: [&str; 7] =
@@ -19,7 +18,6 @@ const KNOWN_SECTIONS: &str =
 const NEEDED: [&str; 4] = [":units", ":root", ":bonedata", ":hierarchy"];
 /// CMU's units of length are inches, scaled.
 const METRES_PER_INCH: f64 = 0.0254;
-const XYZ: [&str; 3] = ["x", "y", "z"];
 
 /// What a key says: not given, given but wrong (which is noted), or its value.
 pub(super) type Slot<T> = Option<Option<T>>;
@@ -83,10 +81,7 @@ struct Reader<'a> {
     length: Slot<f64>,
     mass: Slot<f64>,
     angle: Slot<AngleUnit>,
-    order: Slot<[RootChannel; 6]>,
-    axis: Slot<Order>,
-    position: Slot<[f64; 3]>,
-    orientation: Slot<[f64; 3]>,
+    root: RootDraft,
     bones: Vec<BoneDraft<'a>>,
     /// Where the `begin` is that has no `end` yet.
     open: Option<u64>,
@@ -101,7 +96,7 @@ impl<'a> Reader<'a> {
         let (word, rest) = first_word(text);
         match self.section {
             Some(":units") => self.unit(word, rest, line, violations),
-            Some(":root") => self.root(word, rest, line, violations),
+            Some(":root") => self.root.line(word, rest, line, violations),
             Some(":bonedata") => self.bone(word, text, line, violations),
             Some(":hierarchy") => self.link(word, rest, line, violations),
             None if self.sections.is_empty() => {
@@ -163,32 +158,6 @@ impl<'a> Reader<'a> {
         }
     }
 
-    fn root(&mut self, word: &str, rest: &str, line: u64, violations: &mut Violations) {
-        match word {
-            "order" => {
-                let order = root_order(rest, line, violations);
-                put(&mut self.order, order, word, line, violations);
-            }
-            "axis" => {
-                let letters = one_word(rest, line, violations);
-                let order = letters.and_then(|letters| axis_order(letters, line, violations));
-                put(&mut self.axis, order, word, line, violations);
-            }
-            "position" => {
-                let position = numbers(rest, XYZ, line, violations);
-                put(&mut self.position, position, word, line, violations);
-            }
-            "orientation" => {
-                let orientation = numbers(rest, XYZ, line, violations);
-                put(&mut self.orientation, orientation, word, line, violations);
-            }
-            _ => {
-                let known = "order, axis, position, orientation";
-                violations.add(line, unknown("key of the root", word, known));
-            }
-        }
-    }
-
     fn bone(&mut self, word: &str, text: &'a str, line: u64, violations: &mut Violations) {
         match (word, self.open) {
             ("begin", _) => {
@@ -239,10 +208,6 @@ impl<'a> Reader<'a> {
         let (units, root, bonedata) = (line(":units"), line(":root"), line(":bonedata"));
         let length = needed(self.length, "'length'", units, violations);
         let angle = needed(self.angle, "'angle'", units, violations);
-        let order = needed(self.order, "'order'", root, violations);
-        let axis = needed(self.axis, "'axis'", root, violations);
-        let position = needed(self.position, "'position'", root, violations);
-        let orientation = needed(self.orientation, "'orientation'", root, violations);
         if self.bones.is_empty() && bonedata > 0 {
             violations.add(bonedata, Reason::Missing { what: "a bone".into() });
         }
@@ -256,8 +221,7 @@ impl<'a> Reader<'a> {
         // Without units the rest of a bone is looked at all the same.
         let scale = length.map_or(1.0, |length| METRES_PER_INCH / length);
         let unit = angle.unwrap_or(AngleUnit::Degrees);
-        let metres = |value: f64, name: &str| field::within_reach(value * scale, || name.into());
-        if let Err(reason) = metres(1.0, "length") {
+        if let Err(reason) = field::within_reach(scale, || "length".into()) {
             violations.add(units, reason);
             return None;
         }
@@ -269,17 +233,8 @@ impl<'a> Reader<'a> {
                 bones.push(bone);
             }
         }
-        let position = position?;
-        for (value, name) in position.into_iter().zip(["position x", "position y", "position z"]) {
-            let _ = metres(value, name).map_err(|reason| violations.add(root, reason));
-        }
-        let root = RootAtRest {
-            order: order?,
-            turns: turning_order(&order?),
-            position: Vector::from(position) * scale,
-            frame: axis?.rotation(&orientation?.map(|angle| unit.to_radians(angle))),
-        };
-        let tree = tree??;
+        let root = self.root.finish(root, scale, unit, violations);
+        let (root, tree) = (root?, tree??);
         if !violations.none() {
             return None;
         }
@@ -299,7 +254,12 @@ impl<'a> Reader<'a> {
 }
 
 /// What a key of a section must say; a section that is not there has line 0 and says nothing.
-fn needed<T>(slot: Slot<T>, key: &str, section: u64, violations: &mut Violations) -> Option<T> {
+pub(super) fn needed<T>(
+    slot: Slot<T>,
+    key: &str,
+    section: u64,
+    violations: &mut Violations,
+) -> Option<T> {
     if section == 0 {
         return None;
     }
@@ -328,58 +288,6 @@ fn by_name(bones: &[BoneDraft], violations: &mut Violations) -> BTreeMap<String,
     found
 }
 
-/// `TX TY TZ RX RY RZ`, in any order.
-fn root_order(text: &str, line: u64, violations: &mut Violations) -> Option<[RootChannel; 6]> {
-    let words = text.split_ascii_whitespace();
-    let got = words.clone().count();
-    if got != 6 {
-        violations.add(line, Reason::FieldCount { expected: 6, got });
-        return None;
-    }
-    let mut order: Vec<RootChannel> = Vec::new();
-    for word in words {
-        let Some(channel) = root_channel(word) else {
-            violations.add(line, unknown("value of the root", word, "TX, TY, TZ, RX, RY, RZ"));
-            continue;
-        };
-        if order.contains(&channel) {
-            violations.add(line, Reason::Repeated { what: format!("'{word}'") });
-        }
-        order.push(channel);
-    }
-    order.try_into().ok()
-}
-
-fn root_channel(word: &str) -> Option<RootChannel> {
-    let mut letters = word.chars();
-    let (kind, axis) = (letters.next()?, Axis::from_letter(letters.next()?)?);
-    match (kind.to_ascii_lowercase(), letters.next()) {
-        ('t', None) => Some(RootChannel::Translation(axis)),
-        ('r', None) => Some(RootChannel::Rotation(axis)),
-        _ => None,
-    }
-}
-
-/// The axes in the order that the root's values name them.
-fn turning_order(order: &[RootChannel; 6]) -> Order {
-    let mut axes = order.iter().filter_map(|channel| match channel {
-        RootChannel::Rotation(axis) => Some(*axis),
-        RootChannel::Translation(_) => None,
-    });
-    let mut next = |otherwise| axes.next().unwrap_or(otherwise);
-    Order([next(Axis::X), next(Axis::Y), next(Axis::Z)])
-}
-
-/// `XYZ` and its like.
-pub(super) fn axis_order(letters: &str, line: u64, violations: &mut Violations) -> Option<Order> {
-    let order = Order::from_letters(letters);
-    if order.is_none() {
-        let known = "XYZ, XZY, YXZ, YZX, ZXY, ZYX";
-        violations.add(line, unknown("order of axes", letters, known));
-    }
-    order
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -387,19 +295,5 @@ mod tests {
     #[test]
     fn messages_name_every_section() {
         assert_eq!(KNOWN_SECTIONS, SECTIONS.join(", "));
-    }
-
-    #[test]
-    fn the_roots_values_come_in_any_order() {
-        let mut violations = Violations::default();
-        let order = root_order("RZ TX rx TY TZ RY", 1, &mut violations).unwrap();
-        assert_eq!(order[2], RootChannel::Rotation(Axis::X));
-        assert_eq!(turning_order(&order), Order([Axis::Z, Axis::X, Axis::Y]));
-        for text in ["TX TY TZ RX RY", "TX TY TZ RX RY RX", "TX TY TZ RX RY RW", "TX TY TZ RX RY é"]
-        {
-            let mut violations = Violations::default();
-            let order = root_order(text, 1, &mut violations);
-            assert!(violations.or(order).is_err(), "{text}");
-        }
     }
 }

@@ -11,6 +11,19 @@ use crate::formats::ReadError;
 use crate::geometry::Vector;
 
 /// A bone of an [`Asf`]: its place in the file's order, which is that of [`Asf::bones`].
+///
+/// ```
+/// # let text = ":units\n length 1\n angle deg\n:root\n order TX TY TZ RX RY RZ\n axis XYZ\n\
+/// #   position 0 0 0\n orientation 0 0 0\n:bonedata\n begin\n name arm\n direction 1 0 0\n\
+/// #   length 10\n axis 0 0 0 XYZ\n dof rz\n limits (-90 90)\n end\n\
+/// #   :hierarchy\n begin\n root arm\n end\n";
+/// use handover_mesh::formats::amc::Asf;
+/// let skeleton = Asf::read(text.as_bytes())?;
+/// let arm = skeleton.bone("arm").unwrap();
+/// let end = skeleton.positions_in_root(&[0.0])[arm.index()];
+/// assert!((end.x - skeleton[arm].length()).abs() < 1e-12);
+/// # Ok::<(), handover_mesh::formats::ReadError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct BoneId(pub(super) u16);
 
