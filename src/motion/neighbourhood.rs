@@ -100,6 +100,7 @@ impl Neighbours {
             duplicates.map(|[dropped, kept]| [*kept as u32, *dropped as u32]).collect();
         copies.sort_unstable();
         let nearest = Nearest::new(&points);
+        let k = k.min(points.len());
         Ok(Self { points, nearest, complex, copies, neighbourhood, k })
     }
 
@@ -109,6 +110,11 @@ impl Neighbours {
 
     pub(super) fn complex(&self) -> Option<&Complex> {
         self.complex.as_ref()
+    }
+
+    /// How many nearest points are neighbours, of as many as there are.
+    pub(super) fn k(&self) -> usize {
+        self.k
     }
 
     pub(super) fn neighbourhood(&self) -> Neighbourhood {
