@@ -134,7 +134,9 @@ pub fn cross_validate(
             MotionEvaluationError::Fold { left_out: names.join(", "), error }
         })
     });
-    let folds = folds.collect::<Result<_, _>>()?;
+    // NOTE: collected straight into one result, the error kept would be that of any fold.
+    let folds: Vec<Result<MotionFold, MotionEvaluationError>> = folds.collect();
+    let folds = folds.into_iter().collect::<Result<_, _>>()?;
     Ok(MotionEvaluation { neighbourhoods: protocol.neighbourhoods.clone(), folds })
 }
 

@@ -35,7 +35,7 @@ pub struct Complex {
     /// Each simplex' first corner.
     origins: Vec<f64>,
     /// Each simplex' `place − origin` → barycentric coordinates of all corners but the first, row
-    /// by row.
+    /// by row; NaN of a simplex too flat to be measured.
     inverses: Vec<f64>,
     duplicates: Vec<[usize; 2]>,
 }
@@ -44,6 +44,10 @@ const BEYOND: u32 = u32::MAX;
 
 /// How far below zero a barycentric coordinate may be by rounding.
 const ROUNDING: f64 = 1e-10;
+
+/// The volume of a simplex, relative to that of the box its edges from the first corner could span,
+/// below which rounding decides on which side of it a place is.
+const FLAT: f64 = 1e-10;
 
 /// Where a walk ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -111,9 +115,11 @@ impl Complex {
             origins.extend_from_slice(corner(0));
             let edges =
                 SMatrix::<f64, D, D>::from_fn(|axis, i| corner(i + 1)[axis] - corner(0)[axis]);
-            // NOTE: where rounding makes a simplex flat, every place is as near to it as its first
-            // corner, and a walk that comes by ends there.
-            let inverse = edges.lu().try_inverse().unwrap_or_else(SMatrix::zeros);
+            let lu = edges.lu();
+            let box_volume: f64 = edges.column_iter().map(|edge| edge.norm()).product();
+            let measurable = lu.determinant().abs() > FLAT * box_volume;
+            let inverse = if measurable { lu.try_inverse() } else { None };
+            let inverse = inverse.unwrap_or_else(|| SMatrix::repeat(f64::NAN));
             inverses
                 .extend((0..D).flat_map(|row| (0..D).map(move |column| inverse[(row, column)])));
         }
@@ -173,7 +179,8 @@ impl Complex {
     /// # Panics
     /// If `place` has other dimensions, or there is no simplex `start`: the caller's bug.
     /// # Cost
-    /// About `len^(1/dimensions)` steps from afar, never more than `len`; no allocation.
+    /// About `len^(1/dimensions)` steps from afar; `2 len` at most, where simplices are almost
+    /// flat. No allocation.
     pub fn locate(&self, place: &[f64], start: u32) -> Place {
         assert_eq!(place.len(), self.dimensions, "one number per dimension");
         assert!((start as usize) < self.len(), "no simplex {start}");
@@ -186,22 +193,33 @@ impl Complex {
 
     fn walk<const D: usize, const N: usize>(&self, place: &[f64], start: u32) -> Place {
         let mut simplex = start;
-        // Rounding may send a walk round in a circle of slivers: the best of it is then taken.
-        let mut best = (f64::NEG_INFINITY, start);
         for _ in 0..self.len() {
-            let coordinates = self.barycentric::<D, N>(place, simplex);
-            let (facet, least) = least(&coordinates);
+            let (facet, least) = least(&self.barycentric::<D, N>(place, simplex));
+            if least.is_nan() {
+                break;
+            }
             if least >= -ROUNDING {
                 return Place::Inside(simplex);
-            }
-            if least > best.0 {
-                best = (least, simplex);
             }
             let next = self.neighbours[N * simplex as usize + facet];
             if next == BEYOND {
                 return Place::Outside(simplex);
             }
             simplex = next;
+        }
+        // Where simplices are almost flat, rounding may send a walk round in a circle.
+        self.search::<D, N>(place, start)
+    }
+
+    /// Tries all simplices.
+    #[cold]
+    fn search<const D: usize, const N: usize>(&self, place: &[f64], start: u32) -> Place {
+        let mut best = (f64::NEG_INFINITY, start);
+        for simplex in 0..self.len() as u32 {
+            let (_, least) = least(&self.barycentric::<D, N>(place, simplex));
+            if least > best.0 {
+                best = (least, simplex);
+            }
         }
         if best.0 >= -ROUNDING.sqrt() { Place::Inside(best.1) } else { Place::Outside(best.1) }
     }
@@ -227,11 +245,11 @@ impl Complex {
     }
 }
 
-/// Where the least coordinate is, and what it is.
+/// Where the least coordinate is, and what it is; NaN if all are.
 #[inline]
 fn least<const N: usize>(coordinates: &[f64; N]) -> (usize, f64) {
-    let mut least = (0, f64::INFINITY);
-    for (at, &value) in coordinates.iter().enumerate() {
+    let mut least = (0, coordinates[0]);
+    for (at, &value) in coordinates.iter().enumerate().skip(1) {
         if value < least.1 {
             least = (at, value);
         }
@@ -251,6 +269,9 @@ impl HasPosition for Corner {
         self.position
     }
 }
+
+/// `spade` takes sizes from 2⁻¹⁴² to 2²⁰¹: this brings ours, [`MAGNITUDES`], into that range.
+const INTO_RANGE: f64 = (1 << 20) as f64;
 
 /// Triangles of corners, and the points that are none: `[dropped, kept]`.
 type Triangles = (Vec<[u32; 3]>, Vec<[usize; 2]>);
@@ -275,7 +296,8 @@ fn triangles(points: &Rows) -> Result<Triangles, DelaunayError> {
     let (mut corners, mut duplicates) = (Vec::new(), Vec::new());
     for same in order.chunk_by(|a, b| key(*a) == key(*b)) {
         let [x, y] = key(same[0]);
-        corners.push(Corner { position: Point2::new(x, y), point: same[0] as u32 });
+        let position = Point2::new(INTO_RANGE * x, INTO_RANGE * y);
+        corners.push(Corner { position, point: same[0] as u32 });
         duplicates.extend(same[1..].iter().map(|dropped| [*dropped, same[0]]));
     }
     duplicates.sort_unstable();
@@ -284,7 +306,7 @@ fn triangles(points: &Rows) -> Result<Triangles, DelaunayError> {
     if points.len() < 3 {
         return Err(DelaunayError::TooFew { points: points.len() });
     }
-    // NOTE: it refuses coordinates out of a range wider than ours, and no others.
+    // NOTE: it refuses coordinates out of its range, and no others.
     let Ok(found) = DelaunayTriangulation::<Corner>::bulk_load(corners) else { return Err(flat) };
     let triangles: Vec<[u32; 3]> =
         found.inner_faces().map(|face| face.vertices().map(|vertex| vertex.data().point)).collect();

@@ -63,6 +63,7 @@ pub(super) fn velocities(points: &Rows, sequences: &[Range<usize>]) -> Rows {
 
 /// The mean of the neighbours' velocities by their weights; zero without neighbours.
 pub(super) fn mean_velocity(around: &Around, velocities: &Rows, velocity: &mut [f64]) {
+    assert_eq!(velocity.len(), velocities.width(), "one number per dimension");
     velocity.fill(0.0);
     for neighbour in around.neighbours() {
         let of = velocities.row(neighbour.pose as usize);
@@ -77,6 +78,9 @@ pub(super) fn follow(
     start: &[f64],
     settings: &FollowSettings,
 ) -> Path {
+    if let Some((goal, _)) = &settings.goal {
+        assert_eq!(goal.len(), start.len(), "one number per dimension");
+    }
     let mut around = neighbours.around();
     let mut place = start.to_vec();
     let mut velocity = vec![0.0; place.len()];

@@ -49,7 +49,6 @@ pub struct MotionModel {
     sequences: Vec<Range<usize>>,
     neighbours: Neighbours,
     velocities: Rows,
-    k: usize,
 }
 
 impl MotionModel {
@@ -79,7 +78,7 @@ impl MotionModel {
         let points = pca.project(&poses);
         let velocities = field::velocities(&points, &ranges);
         let neighbours = Neighbours::new(points, settings.neighbourhood, settings.k)?;
-        Ok(Self { pca, sequences: ranges, neighbours, velocities, k: settings.k })
+        Ok(Self { pca, sequences: ranges, neighbours, velocities })
     }
 
     /// The latent space.
@@ -151,12 +150,12 @@ impl MotionModel {
         let points = self.points();
         let mut pairs: Vec<[u32; 2]> = Vec::new();
         if self.neighbourhood() != Neighbourhood::Delaunay {
-            let nearest = Nearest::new(points);
-            let mut near = Vec::with_capacity(self.k + 1);
+            let (nearest, k) = (Nearest::new(points), self.neighbours.k());
+            let mut near = Vec::with_capacity(k + 1);
             for (pose, point) in (0..).zip(points.iter()) {
                 // The pose itself is one of them.
-                nearest.nearest(point, self.k + 1, &mut near);
-                let others = near.iter().filter(|near| near.point != pose).take(self.k);
+                nearest.nearest(point, k + 1, &mut near);
+                let others = near.iter().filter(|near| near.point != pose).take(k);
                 pairs.extend(others.map(|near| [pose, near.point]));
             }
         }

@@ -113,6 +113,7 @@ impl Neighbours {
             duplicates.map(|[dropped, kept]| [*kept as u32, *dropped as u32]).collect();
         copies.sort_unstable();
         let nearest = Nearest::new(&points);
+        let k = k.min(points.len());
         Ok(Self { points, nearest, complex, copies, neighbourhood, k })
     }
 
@@ -124,6 +125,11 @@ impl Neighbours {
     /// The triangulation, where the neighbourhood has simplices.
     pub fn complex(&self) -> Option<&Complex> {
         self.complex.as_ref()
+    }
+
+    /// How many nearest points are neighbours, of as many as there are.
+    pub(super) fn k(&self) -> usize {
+        self.k
     }
 
     /// Which of them are around a place.

@@ -36,8 +36,8 @@ pub struct Pca {
     mean: Vec<f64>,
     /// Latent direction after latent direction, each as long as a pose.
     directions: Vec<f64>,
-    /// Of all directions the poses span, falling.
-    variances: Vec<f64>,
+    /// The share of the variance along each direction the poses span, falling.
+    explained: Vec<f64>,
     dimensions: usize,
 }
 
@@ -60,19 +60,34 @@ impl Pca {
             return Err(MotionError::NoPoses);
         }
         let mut mean = vec![0.0; channels];
-        for pose in poses.iter() {
-            mean.iter_mut().zip(pose).for_each(|(mean, value)| *mean += value / count as f64);
+        // The second time adds what rounding took from the first.
+        for _ in 0..2 {
+            let mut off = vec![0.0; channels];
+            for pose in poses.iter() {
+                let parts =
+                    pose.iter().zip(&mean).map(|(value, mean)| (value - mean) / count as f64);
+                off.iter_mut().zip(parts).for_each(|(off, part)| *off += part);
+            }
+            mean.iter_mut().zip(off).for_each(|(mean, off)| *mean += off);
         }
-        let centred = Mat::from_fn(count, channels, |i, j| poses.row(i)[j] - mean[j]);
+        let mut centred = Mat::from_fn(count, channels, |i, j| poses.row(i)[j] - mean[j]);
+        // Of a size whose squares neither vanish nor overflow.
+        let size = centred.norm_max();
+        if size > 0.0 {
+            centred /= faer::Scale(size);
+        }
         let (singular, vectors) = right_singular(&centred);
-        // What rounding leaves of nothing.
-        let floor =
-            f64::EPSILON * count.max(channels) as f64 * singular.first().copied().unwrap_or(0.0);
+        // What rounding leaves of nothing: in the decomposition, and in the poses before it.
+        let largest = poses.values().iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+        let first = singular.first().copied().unwrap_or(0.0);
+        let floor = f64::EPSILON * count.max(channels) as f64 * first.max(largest / size);
         let rank = singular.iter().take_while(|s| **s > floor).count();
-        let variances: Vec<f64> = singular[..rank].iter().map(|s| s * s / count as f64).collect();
+        let squares: Vec<f64> = singular[..rank].iter().map(|s| s * s).collect();
+        let total: f64 = squares.iter().sum();
+        let explained: Vec<f64> = squares.iter().map(|square| square / total).collect();
         let dimensions = match dimensions {
             Dimensions::Count(dimensions) => dimensions,
-            Dimensions::Share(share) => fewest(&variances, share),
+            Dimensions::Share(share) => fewest(&explained, share),
         };
         if !(1..=rank).contains(&dimensions) {
             let dimensions = dimensions.max(1);
@@ -85,7 +100,7 @@ impl Pca {
                 column.clone().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
             directions.extend(column.map(|value| value * largest.signum()));
         }
-        Ok(Self { mean, directions, variances, dimensions })
+        Ok(Self { mean, directions, explained, dimensions })
     }
 
     /// The number of latent dimensions.
@@ -101,8 +116,7 @@ impl Pca {
     /// The share of the variance along each direction the poses span, falling; its sum is 1, that
     /// of the first [`Self::dimensions`] is what the latent space keeps.
     pub fn explained(&self) -> Vec<f64> {
-        let total: f64 = self.variances.iter().sum();
-        self.variances.iter().map(|variance| variance / total).collect()
+        self.explained.clone()
     }
 
     /// Poses → latent points.
@@ -163,14 +177,13 @@ fn right_singular(centred: &Mat<f64>) -> (Vec<f64>, Mat<f64>) {
     (singular, vectors.to_owned())
 }
 
-/// The fewest first variances that make up this share of all.
-fn fewest(variances: &[f64], share: f64) -> usize {
-    let total: f64 = variances.iter().sum();
+/// How many of the first explain this share of all.
+fn fewest(explained: &[f64], share: f64) -> usize {
     let mut sum = 0.0;
-    let reached = variances.iter().position(|variance| {
-        sum += variance;
+    let reached = explained.iter().position(|part| {
+        sum += part;
         // Rounding must not ask for more than there is.
-        sum >= share * total * (1.0 - 1e-12)
+        sum >= share * (1.0 - 1e-12)
     });
-    reached.map_or(variances.len(), |at| at + 1)
+    reached.map_or(explained.len(), |at| at + 1)
 }
