@@ -70,7 +70,13 @@ impl<const D: usize, const N: usize> Triangulation<D, N> {
     /// The facet opposite each vertex, positively oriented with that vertex before it.
     #[inline(always)]
     pub(super) fn facets(vertices: [u32; N]) -> [[u32; D]; N] {
-        Self::FACETS.map(|facet| facet.map(|i| vertices[i]))
+        let mut facets = [[0; D]; N];
+        for i in 0..N {
+            for place in 0..D {
+                facets[i][place] = vertices[Self::FACETS[i][place]];
+            }
+        }
+        facets
     }
 }
 

@@ -49,13 +49,14 @@ impl Dimension<4, 5> for Triangulation<4, 5> {
 
     #[inline(always)]
     fn determinant([q, a, b, c, d]: [&Lifted<5>; 5]) -> f64 {
-        let minus = |p: &Lifted<5>| from_fn(|i| p[i] - q[i]);
+        let minus = |p: &Lifted<5>| [p[0] - q[0], p[1] - q[1], p[2] - q[2], p[3] - q[3]];
         determinant(&minus(a), &minus(b), &minus(c), &minus(d))
     }
 
     #[inline(always)]
     fn normal([q, a, b, c, d]: [&Lifted<5>; 5]) -> Lifted<5> {
-        let minus = |p: &Lifted<5>| from_fn(|i| p[i] - q[i]);
+        let minus =
+            |p: &Lifted<5>| [p[0] - q[0], p[1] - q[1], p[2] - q[2], p[3] - q[3], p[4] - q[4]];
         normal(&minus(a), &minus(b), &minus(c), &minus(d))
     }
 }
@@ -128,59 +129,61 @@ where
     dot(&normal, &p) + &normal[4] * &p[4]
 }
 
-/// The minors `aᵢ bⱼ − aⱼ bᵢ` of two rows.
+/// A determinant by the minors of its first two rows and of its last two; `places` are those of
+/// the columns' pairs in the order 01 02 03 12 13 23.
 #[inline(always)]
-fn minors<T, const W: usize, const M: usize>(
-    a: &[T; W],
-    b: &[T; W],
-    columns: [[usize; 2]; M],
-) -> [T; M]
-where
-    T: Sub<Output = T>,
-    for<'a> &'a T: Mul<Output = T>,
-{
-    columns.map(|[i, j]| &a[i] * &b[j] - &a[j] * &b[i])
-}
-
-/// A determinant by the minors of its first two rows and of its last two, each ordered
-/// `xy xz xv yz yv zv`.
-#[inline(always)]
-fn laplace<T>(p: [&T; 6], q: [&T; 6]) -> T
+fn laplace<T>(p: &[T], q: &[T], places: [usize; 6]) -> T
 where
     T: Add<Output = T> + Sub<Output = T>,
     for<'a> &'a T: Mul<Output = T>,
 {
-    p[0] * q[5] - p[1] * q[4] + p[2] * q[3] + p[3] * q[2] - p[4] * q[1] + p[5] * q[0]
+    let [a, b, c, d, e, f] = places;
+    &p[a] * &q[f] - &p[b] * &q[e] + &p[c] * &q[d] + &p[d] * &q[c] - &p[e] * &q[b] + &p[f] * &q[a]
 }
 
-/// `det(a, b, c, d)` of their first four columns.
+/// `det(a, b, c, d)`.
 #[inline(always)]
 fn determinant<T>(a: &[T; 4], b: &[T; 4], c: &[T; 4], d: &[T; 4]) -> T
 where
     T: Add<Output = T> + Sub<Output = T>,
     for<'a> &'a T: Mul<Output = T>,
 {
-    const COLUMNS: [[usize; 2]; 6] = [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]];
-    laplace(minors(a, b, COLUMNS).each_ref(), minors(c, d, COLUMNS).each_ref())
+    let minors = |a: &[T; 4], b: &[T; 4]| {
+        let minor = |i: usize, j: usize| &a[i] * &b[j] - &a[j] * &b[i];
+        [minor(0, 1), minor(0, 2), minor(0, 3), minor(1, 2), minor(1, 3), minor(2, 3)]
+    };
+    laplace(&minors(a, b), &minors(c, d), [0, 1, 2, 3, 4, 5])
 }
 
-/// `n` with `n·r = −det(a, b, c, d, r)`: its columns are the determinants without them.
+/// `n` with `n·r = −det(a, b, c, d, r)`: up to signs the determinants without one column each.
 #[inline(always)]
 fn normal<T>(a: &[T; 5], b: &[T; 5], c: &[T; 5], d: &[T; 5]) -> [T; 5]
 where
     T: Add<Output = T> + Sub<Output = T> + Neg<Output = T>,
     for<'a> &'a T: Mul<Output = T>,
 {
-    const COLUMNS: [[usize; 2]; 10] =
-        [[0, 1], [0, 2], [0, 3], [0, 4], [1, 2], [1, 3], [1, 4], [2, 3], [2, 4], [3, 4]];
-    let (p, q) = (minors(a, b, COLUMNS), minors(c, d, COLUMNS));
-    let of = |minors: [usize; 6]| laplace(minors.map(|i| &p[i]), minors.map(|i| &q[i]));
+    let minors = |a: &[T; 5], b: &[T; 5]| {
+        let minor = |i: usize, j: usize| &a[i] * &b[j] - &a[j] * &b[i];
+        [
+            minor(0, 1),
+            minor(0, 2),
+            minor(0, 3),
+            minor(0, 4),
+            minor(1, 2),
+            minor(1, 3),
+            minor(1, 4),
+            minor(2, 3),
+            minor(2, 4),
+            minor(3, 4),
+        ]
+    };
+    let (p, q) = (minors(a, b), minors(c, d));
     [
-        -of([4, 5, 6, 7, 8, 9]),
-        of([1, 2, 3, 7, 8, 9]),
-        -of([0, 2, 3, 5, 6, 9]),
-        of([0, 1, 3, 4, 6, 8]),
-        -of([0, 1, 2, 4, 5, 7]),
+        -laplace(&p, &q, [4, 5, 6, 7, 8, 9]),
+        laplace(&p, &q, [1, 2, 3, 7, 8, 9]),
+        -laplace(&p, &q, [0, 2, 3, 5, 6, 9]),
+        laplace(&p, &q, [0, 1, 3, 4, 6, 8]),
+        -laplace(&p, &q, [0, 1, 2, 4, 5, 7]),
     ]
 }
 

@@ -115,20 +115,28 @@ impl<const D: usize, const N: usize> Links<D, N> {
         let ridges = &mut self.ridges[..1 << bits];
         for facet in made {
             let cell = facet.outside.cell();
-            let mut corners = [(0, 0); D];
-            for (place, corner) in corners.iter_mut().enumerate() {
-                *corner = (cells[cell as usize].vertices[place + 1], place + 1);
+            let mut corners = [0; D];
+            for place in 0..D {
+                let vertex = cells[cell as usize].vertices[place + 1];
+                corners[place] = u64::from(vertex) << 32 | (place + 1) as u64;
             }
-            corners.sort_unstable();
-            let all = corners.iter().fold(0, |sum: u64, corner| sum.wrapping_add(mixed(corner.0)));
+            // NOTE: without branches, which nobody could predict.
+            for last in (1..D).rev() {
+                for i in 0..last {
+                    let (one, other) = (corners[i], corners[i + 1]);
+                    (corners[i], corners[i + 1]) = (one.min(other), one.max(other));
+                }
+            }
+            let vertex = |i: usize| (corners[i] >> 32) as u32;
+            let all = (0..D).fold(0, |sum: u64, i| sum.wrapping_add(mixed(vertex(i))));
             for opposite in 0..D {
-                let (vertex, place) = corners[opposite];
+                let place = corners[opposite] as u32 as usize;
                 let mut key = [round; D];
                 for i in 0..D - 1 {
-                    key[i] = corners[i + usize::from(i >= opposite)].0;
+                    key[i] = vertex(i + usize::from(i >= opposite));
                 }
                 let one = Side::new(cell, place);
-                let mut at = (all.wrapping_sub(mixed(vertex)) >> (64 - bits)) as usize;
+                let mut at = (all.wrapping_sub(mixed(vertex(opposite))) >> (64 - bits)) as usize;
                 while ridges[at].key[D - 1] == round && ridges[at].key != key {
                     at = (at + 1) & (ridges.len() - 1);
                 }
