@@ -5,6 +5,24 @@ use super::triangulation::Triangulation;
 /// A point about the middle of the points' box, and its squared distance from there.
 pub(super) type Lifted<const N: usize> = [f64; N];
 
+/// `p` about `middle` with the square of its distance from there; the largest coordinates so far
+/// are kept in `size`.
+#[inline(always)]
+pub(super) fn lifted<const D: usize, const N: usize>(
+    p: &[f64; D],
+    middle: &[f64; D],
+    size: &mut [f64; D],
+) -> Lifted<N> {
+    let mut lifted = [0.0; N];
+    for axis in 0..D {
+        let centred = p[axis] - middle[axis];
+        size[axis] = size[axis].max(centred.abs());
+        lifted[axis] = centred;
+        lifted[D] += centred * centred;
+    }
+    lifted
+}
+
 /// Simplices of `N = D + 1` corners in `D` dimensions.
 ///
 /// A simplex is positively oriented if the determinant of its corners less its first one, in their

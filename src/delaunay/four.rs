@@ -4,7 +4,8 @@
 //! determinants of those are exact: in 128 bits where the numbers are small, as on grids, and of
 //! any size otherwise.
 
-use super::dimension::{Dimension, Lifted};
+use super::cells::{Bounds, Plane};
+use super::dimension::{Dimension, Lifted, lifted};
 use super::triangulation::Triangulation;
 use num_bigint::BigInt;
 use std::array::from_fn;
@@ -16,6 +17,12 @@ impl Dimension<4, 5> for Triangulation<4, 5> {
 
     #[cold]
     fn orientation(simplex: [&[f64; 4]; 5]) -> f64 {
+        let mut size = [0.0; 4];
+        let [q, r, s, t, u] = simplex.map(|p| lifted(p, simplex[0], &mut size));
+        let value = <Self as Dimension<4, 5>>::determinant([&q, &r, &s, &t, &u]);
+        if value.abs() > Bounds::new(size).solid {
+            return value;
+        }
         let dyadic = Dyadic::of(simplex);
         // 24 products of four differences below 2³⁰ stay below 2¹²⁵.
         if dyadic.bits <= 29 {
@@ -27,6 +34,13 @@ impl Dimension<4, 5> for Triangulation<4, 5> {
 
     #[cold]
     fn in_sphere([a, b, c, d, e]: [&[f64; 4]; 5], p: &[f64; 4]) -> f64 {
+        // Once more rounded, but about the first corner: sizes are the simplex' own there.
+        let mut size = [0.0; 4];
+        let [q, r, s, t, u, v] = [a, b, c, d, e, p].map(|p| lifted(p, a, &mut size));
+        let value = Plane::through([&q, &r, &s, &t, &u]).value(&v);
+        if value.abs() > Bounds::new(size).sphere {
+            return value;
+        }
         let dyadic = Dyadic::of([a, b, c, d, e, p]);
         // 480 products of six differences below 2¹⁹ stay below 2¹²³.
         if dyadic.bits <= 18 {

@@ -1,10 +1,11 @@
 //! What comes before the first insertion: checks, the order, the first simplex.
 
 use super::cells::{Bounds, Cell, Plane, Side};
-use super::dimension::Dimension;
+use super::dimension::{Dimension, lifted};
 use super::hilbert::{bits, hilbert};
 use super::triangulation::Triangulation;
 use super::{DelaunayError, MAGNITUDES, MAX_POINTS, Span};
+use std::array::from_fn;
 
 /// Up to here the order given is as good as a sorted one.
 const UNSORTED: usize = 64;
@@ -43,18 +44,10 @@ where
         if count < N {
             return Err(DelaunayError::TooFew { points: count });
         }
+        let middle = from_fn(|axis| 0.5 * (low[axis] + high[axis]));
         let mut size = [0.0_f64; D];
         self.lifted.clear();
-        self.lifted.extend(self.points.iter().map(|p| {
-            let mut lifted = [0.0; N];
-            for axis in 0..D {
-                let centred = p[axis] - 0.5 * (low[axis] + high[axis]);
-                size[axis] = size[axis].max(centred.abs());
-                lifted[axis] = centred;
-                lifted[D] += centred * centred;
-            }
-            lifted
-        }));
+        self.lifted.extend(self.points.iter().map(|p| lifted(p, &middle, &mut size)));
         self.lifted.push([0.0; N]);
         self.bounds = Bounds::new(size);
         self.sort(size.into_iter().fold(0.0, f64::max));

@@ -20,14 +20,15 @@ pub(super) struct Links<const D: usize, const N: usize> {
     /// Corners met this round.
     count: u32,
     /// Ridges by hash, in the first free place from there on.
-    pub(super) ridges: Vec<Ridge<D, N>>,
+    pub(super) ridges: Vec<Ridge<N>>,
 }
 
 /// A ridge of which one side has been met.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ridge<const D: usize, const N: usize> {
-    /// Its corners, ascending, and last the round; the place is free if that is another.
-    key: [u32; D],
+pub(super) struct Ridge<const N: usize> {
+    /// Its corners, ascending, and last the round, 32 bits each; the place is free if that is
+    /// another.
+    key: u128,
     side: Side<N>,
 }
 
@@ -110,7 +111,7 @@ impl<const D: usize, const N: usize> Links<D, N> {
         // Half full when the last ridge has come.
         let bits = (made.len() * D).next_power_of_two().ilog2().max(1);
         if self.ridges.len() < 1 << bits {
-            self.ridges.resize(1 << bits, Ridge { key: [0; D], side: Side::default() });
+            self.ridges.resize(1 << bits, Ridge { key: 0, side: Side::default() });
         }
         let ridges = &mut self.ridges[..1 << bits];
         for facet in made {
@@ -131,13 +132,12 @@ impl<const D: usize, const N: usize> Links<D, N> {
             let all = (0..D).fold(0, |sum: u64, i| sum.wrapping_add(mixed(vertex(i))));
             for opposite in 0..D {
                 let place = corners[opposite] as u32 as usize;
-                let mut key = [round; D];
-                for i in 0..D - 1 {
-                    key[i] = vertex(i + usize::from(i >= opposite));
-                }
+                let others = (0..D).filter(|&i| i != opposite);
+                let key = others.fold(0, |key, i| key << 32 | u128::from(vertex(i)));
+                let key = key << 32 | u128::from(round);
                 let one = Side::new(cell, place);
                 let mut at = (all.wrapping_sub(mixed(vertex(opposite))) >> (64 - bits)) as usize;
-                while ridges[at].key[D - 1] == round && ridges[at].key != key {
+                while ridges[at].key as u32 == round && ridges[at].key != key {
                     at = (at + 1) & (ridges.len() - 1);
                 }
                 if ridges[at].key == key {
