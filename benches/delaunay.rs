@@ -1,4 +1,4 @@
-//! Delaunay tetrahedra of sizes that occur: two people's joints, and a few seconds of a latent path.
+//! Delaunay simplices of sizes that occur: two people's joints, and a few seconds of a latent path.
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use handover_mesh::Point;
@@ -37,6 +37,14 @@ fn normal(rng: &mut impl Rng) -> f64 {
     (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos()
 }
 
+/// 1,700 points along a smooth curve.
+fn path<const D: usize>(axes: [f64; D]) -> impl Iterator<Item = [f64; D]> {
+    (0..1700).map(move |i| {
+        let t = 60.0 * f64::from(i) / 1699.0;
+        axes.map(|k| (t * (1.0 + 0.13 * k) + k).sin() / (k + 1.0) + 0.05 * (7.0 * t + k).cos())
+    })
+}
+
 fn sets() -> Vec<(&'static str, Vec<Point>)> {
     let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(0);
     let rng = &mut rng;
@@ -49,13 +57,7 @@ fn sets() -> Vec<(&'static str, Vec<Point>)> {
     let (few, hundred, many) = (uniform(30), uniform(100), uniform(1700));
     let gaussian = (0..1700).map(|_| Point::from([1.0, 0.6, 0.4].map(|s| s * normal(rng))));
     let gaussian = gaussian.collect();
-    let path = (0..1700).map(|i| {
-        let t = 60.0 * f64::from(i) / 1699.0;
-        Point::from([0.0, 1.0, 2.0].map(|k: f64| {
-            (t * (1.0 + 0.13 * k) + k).sin() / (k + 1.0) + 0.05 * (7.0 * t + k).cos()
-        }))
-    });
-    let path = path.collect();
+    let path = path([0.0, 1.0, 2.0]).map(Point::from).collect();
     let grid = (0..1000)
         .map(|i| Point::new(f64::from(i / 100), f64::from(i / 10 % 10), f64::from(i % 10)));
     let grid = grid.collect();
@@ -85,5 +87,24 @@ fn tetrahedra(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, tetrahedra);
+fn four_dimensions(criterion: &mut Criterion) {
+    let mut rng = rand_chacha::ChaCha8Rng::seed_from_u64(0);
+    let gaussian = (0..1700).map(|_| [1.0, 0.6, 0.4, 0.25].map(|s| s * normal(&mut rng))).collect();
+    let path = path([0.0, 1.0, 2.0, 3.0]).collect();
+    let digits = |i: i32| [1, 6, 36, 216].map(|n| f64::from(i / n % 6));
+    let grid = (0..1296).map(digits).collect();
+    let sets: [(_, Vec<[f64; 4]>); 3] =
+        [("1700 gaussian", gaussian), ("1700 path", path), ("1296 grid", grid)];
+    let mut group = criterion.benchmark_group("delaunay_4d");
+    group.sample_size(20);
+    for (name, points) in sets {
+        let mut workspace = Workspace::default();
+        group.bench_with_input(BenchmarkId::new("kept", name), &points, |bench, points| {
+            bench.iter(|| workspace.delaunay_4d(black_box(points)));
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, tetrahedra, four_dimensions);
 criterion_main!(benches);

@@ -26,13 +26,19 @@ use crate::geometry::Point;
 
 mod cavity;
 mod cells;
+mod dimension;
+mod four;
+mod hilbert;
 mod input;
+mod links;
 mod locate;
-mod predicates;
+mod three;
+mod triangulation;
 
-use cells::{Cell, Lifted};
+use triangulation::Triangulation;
 
-/// The Delaunay tetrahedra of a set of points.
+/// The Delaunay simplices of a set of points: tetrahedra (`N = 4`), or the simplices of five
+/// corners in four dimensions (`N = 5`).
 ///
 /// # Example
 /// ```
@@ -52,12 +58,12 @@ use cells::{Cell, Lifted};
 /// # Ok::<(), handover_mesh::delaunay::DelaunayError>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Delaunay {
-    tetrahedra: Vec<[u32; 4]>,
+pub struct Delaunay<const N: usize = 4> {
+    simplices: Vec<[u32; N]>,
     duplicates: Vec<[usize; 2]>,
 }
 
-/// Why a set of points has no Delaunay tetrahedra, or none that can be computed exactly.
+/// Why a set of points has no Delaunay simplices, or none that can be computed exactly.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum DelaunayError {
     /// A coordinate is NaN or infinite.
@@ -75,11 +81,11 @@ pub enum DelaunayError {
     OutOfRange {
         /// Its index.
         point: usize,
-        /// The coordinate `[m]`.
+        /// The coordinate.
         value: f64,
     },
-    /// Fewer than four points.
-    #[error("{points} points span no volume, 4 are needed")]
+    /// Fewer points than a simplex has corners.
+    #[error("{points} points are too few: 4 are needed in three dimensions, 5 in four")]
     TooFew {
         /// How many there are.
         points: usize,
@@ -90,8 +96,9 @@ pub enum DelaunayError {
         /// How many there are.
         points: usize,
     },
-    /// All points lie, exactly, in one plane, on one line or in one place.
-    #[error("the {points} points span no volume: all {}", .span.describe())]
+    /// All points lie, exactly, in one place, on one line, in one plane, or in four dimensions in
+    /// one space of three.
+    #[error("the {points} points span {}", .span.describe())]
     Flat {
         /// How many there are.
         points: usize,
@@ -100,7 +107,7 @@ pub enum DelaunayError {
     },
 }
 
-/// What points without volume span.
+/// What points that have no Delaunay simplices span.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Span {
     /// All coincide.
@@ -109,23 +116,27 @@ pub enum Span {
     Line,
     /// All are coplanar.
     Plane,
+    /// All lie in one three-dimensional space; only in four dimensions.
+    Space,
 }
 
 impl Span {
     fn describe(self) -> &'static str {
         match self {
-            Span::Point => "coincide",
-            Span::Line => "are collinear",
-            Span::Plane => "are coplanar",
+            Span::Point => "no volume: all coincide",
+            Span::Line => "no volume: all are collinear",
+            Span::Plane => "no volume: all are coplanar",
+            Span::Space => "three dimensions of four: all lie in one three-dimensional space",
         }
     }
 }
 
-/// Sizes `[m]` a coordinate other than zero may have: 2⁻¹⁶⁰ to 2¹⁶⁰, about 7e-49 to 1e48.
+/// Sizes a coordinate other than zero may have: 2⁻¹⁶⁰ to 2¹⁶⁰, about 7e-49 to 1e48.
 ///
-/// The predicates are polynomials of degree up to 5. A double of size ≥ 2⁻¹⁶⁰ is a multiple of
+/// In three dimensions the predicates are polynomials of degree up to 5. A double of size ≥ 2⁻¹⁶⁰ is a multiple of
 /// 2⁻²¹², so every number met on the way is a multiple of 2⁻¹⁰⁶⁰ and none underflows (the smallest
 /// double is 2⁻¹⁰⁷⁴); with sizes ≤ 2¹⁶⁰ none exceeds 2⁸⁵⁰, whatever the differences are.
+/// In four dimensions exact numbers are whole ones of any size, and the rounded ones stay below 2⁹⁷⁵.
 pub const MAGNITUDES: [f64; 2] = [power_of_two(-160), power_of_two(160)];
 
 /// The most points one call takes.
@@ -150,20 +161,58 @@ pub fn delaunay(points: &[Point]) -> Result<Delaunay, DelaunayError> {
     Workspace::default().delaunay(points)
 }
 
+/// Finds the Delaunay simplices of `points` in four dimensions, in any one unit.
+///
+/// As [`delaunay()`] in all else.
+///
+/// # Example
+/// ```
+/// use handover_mesh::delaunay::delaunay_4d;
+///
+/// let mut corners = vec![[0.0; 4]];
+/// for axis in 0..4 {
+///     let mut corner = [0.0; 4];
+///     corner[axis] = 1.0;
+///     corners.push(corner);
+/// }
+/// corners.push([1.0; 4]);
+/// let found = delaunay_4d(&corners)?;
+/// assert_eq!(found.simplices().len(), 2);
+/// assert_eq!(found.edges().len(), 14);
+/// # Ok::<(), handover_mesh::delaunay::DelaunayError>(())
+/// ```
+///
+/// # Errors
+/// See [`DelaunayError`].
+/// # Cost
+/// Simplices are many: about 25 for each of 1,700 points scattered in four dimensions.
+pub fn delaunay_4d(points: &[[f64; 4]]) -> Result<Delaunay<5>, DelaunayError> {
+    Workspace::default().delaunay_4d(points)
+}
+
 impl Delaunay {
-    /// The tetrahedra `[a, b, c, d]`, indices into the points, each once, in no particular order.
-    ///
-    /// Positively oriented: `det(b − a, c − a, d − a) > 0`.
+    /// [`Delaunay::simplices`] by their name in three dimensions.
     pub fn tetrahedra(&self) -> &[[u32; 4]] {
-        &self.tetrahedra
+        &self.simplices
+    }
+}
+
+impl<const N: usize> Delaunay<N> {
+    /// The simplices `[a, b, c, …]`, indices into the points, each once, in no particular order.
+    ///
+    /// Positively oriented: `det(b − a, c − a, …) > 0`.
+    pub fn simplices(&self) -> &[[u32; N]] {
+        &self.simplices
     }
 
-    /// Pairs `[i, j]`, `i < j`, of points that share a tetrahedron; each once, ascending.
+    /// Pairs `[i, j]`, `i < j`, of points that share a simplex; each once, ascending.
     pub fn edges(&self) -> Vec<[usize; 2]> {
-        let mut keys = Vec::with_capacity(6 * self.tetrahedra.len());
-        for &[a, b, c, d] in &self.tetrahedra {
-            for [i, j] in [[a, b], [a, c], [a, d], [b, c], [b, d], [c, d]] {
-                keys.push(u64::from(i.min(j)) << 32 | u64::from(i.max(j)));
+        let mut keys = Vec::with_capacity(N * (N - 1) / 2 * self.simplices.len());
+        for simplex in &self.simplices {
+            for (place, &i) in simplex.iter().enumerate() {
+                for &j in &simplex[place + 1..] {
+                    keys.push(u64::from(i.min(j)) << 32 | u64::from(i.max(j)));
+                }
             }
         }
         keys.sort_unstable();
@@ -173,13 +222,14 @@ impl Delaunay {
 
     /// Points that equal an earlier one: `[dropped, kept]`, ascending, `kept < dropped`.
     ///
-    /// Only `kept` occurs in [`Delaunay::tetrahedra`] and [`Delaunay::edges`].
+    /// Only `kept` occurs in [`Delaunay::simplices`] and [`Delaunay::edges`].
     pub fn duplicates(&self) -> &[[usize; 2]] {
         &self.duplicates
     }
 }
 
-/// The buffers of [`delaunay`], kept from call to call.
+/// The buffers of [`delaunay()`] or, as `Workspace<4, 5>`, of [`delaunay_4d`], kept from call to
+/// call. `D` is the number of axes, `N = D + 1` that of a simplex' corners.
 ///
 /// After a call of the same size only the result is allocated. Holds nothing a caller could see:
 /// results do not depend on what was computed before.
@@ -200,26 +250,7 @@ impl Delaunay {
 /// # Ok::<(), handover_mesh::delaunay::DelaunayError>(())
 /// ```
 #[derive(Clone, Debug, Default)]
-pub struct Workspace {
-    /// Insertion order.
-    order: Vec<u32>,
-    /// Sort keys of the insertion order.
-    keys: Vec<u64>,
-    /// The points about the middle of their box with `‖p‖²`; last the vertex at infinity.
-    lifted: Vec<Lifted>,
-    cells: Vec<Cell>,
-    /// Cells that are part of nothing and may be used again.
-    free: Vec<u32>,
-    /// The cell made last: where the next walk starts.
-    last: u32,
-    /// Number of the insertion under way, from 1; marks of earlier ones are stale.
-    round: u32,
-    /// What separates a sign the filter is sure of from one it is not; see [`cells::Bounds`].
-    bounds: cells::Bounds,
-    cavity: Vec<u32>,
-    boundary: Vec<cavity::Facet>,
-    links: cavity::Links,
-}
+pub struct Workspace<const D: usize = 3, const N: usize = 4>(Triangulation<D, N>);
 
 impl Workspace {
     /// As [`delaunay()`], with the buffers of earlier calls.
@@ -227,27 +258,17 @@ impl Workspace {
     /// # Errors
     /// As [`delaunay()`].
     pub fn delaunay(&mut self, points: &[Point]) -> Result<Delaunay, DelaunayError> {
-        self.prepare(points)?;
-        let simplex = self.simplex(points)?;
-        self.start(points, simplex);
-        let mut duplicates = Vec::new();
-        for k in 0..self.order.len() {
-            let point = self.order[k];
-            if simplex.contains(&point) {
-                continue;
-            }
-            match self.locate(points, point) {
-                locate::Place::Conflict(cell) => self.insert(points, point, cell),
-                locate::Place::Vertex(kept) => duplicates.push([point as usize, kept as usize]),
-            }
-        }
-        duplicates.sort_unstable();
-        let infinity = points.len() as u32;
-        let tetrahedra = (self.cells.iter())
-            .filter(|cell| cell.vertices.iter().all(|&v| v < infinity))
-            .map(|cell| cell.vertices)
-            .collect();
-        Ok(Delaunay { tetrahedra, duplicates })
+        self.0.run(points.iter().map(|p| [p.x, p.y, p.z]))
+    }
+}
+
+impl Workspace<4, 5> {
+    /// As [`delaunay_4d`], with the buffers of earlier calls.
+    ///
+    /// # Errors
+    /// As [`delaunay_4d`].
+    pub fn delaunay_4d(&mut self, points: &[[f64; 4]]) -> Result<Delaunay<5>, DelaunayError> {
+        self.0.run(points.iter().copied())
     }
 }
 

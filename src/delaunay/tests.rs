@@ -1,31 +1,34 @@
 //! Structure: the links between cells, and the points on which the walk or the cavity could trip.
 
-use super::cavity::SIDE;
-use super::cells::FREE;
+use super::cells::{Cell, FREE, Plane, Side};
+use super::dimension::Dimension;
+use super::links::SIDE;
 use super::*;
 use proptest::prelude::*;
+use std::array::from_fn;
 
-impl Workspace {
+impl<const D: usize, const N: usize> Triangulation<D, N> {
     /// Panics unless neighbours know each other, share a facet and see it from opposite sides.
-    fn sanity_check(&self) {
+    pub(super) fn sanity_check(&self) {
         for (index, cell) in self.cells.iter().enumerate() {
-            if cell.vertices == FREE {
+            if cell.vertices[0] == FREE {
                 continue;
             }
-            for facet in 0..4 {
+            for facet in 0..N {
                 let across = cell.neighbours[facet];
-                let other = &self.cells[(across >> 2) as usize];
-                let back = (across & 3) as usize;
-                assert_ne!(other.vertices, FREE);
-                assert_eq!(other.neighbours[back] as usize, 4 * index + facet);
-                let corners = |cell: &Cell, facet: usize| {
-                    let mut corners = cells::FACET[facet].map(|i| cell.vertices[i]);
-                    let least = (0..3).min_by_key(|&i| corners[i]).unwrap();
-                    corners.rotate_left(least);
-                    corners
+                let other = &self.cells[across.cell() as usize];
+                assert_ne!(other.vertices[0], FREE);
+                assert_eq!(other.neighbours[across.facet()], Side::new(index as u32, facet));
+                let corners = |cell: &Cell<N>, facet: usize| {
+                    let mut corners = Self::facets(cell.vertices)[facet];
+                    let turned =
+                        (0..D * D).filter(|k| corners[k / D] > corners[k % D] && k / D < k % D);
+                    let odd = turned.count() % 2 == 1;
+                    corners.sort_unstable();
+                    (corners, odd)
                 };
-                let [a, b, c] = corners(cell, facet);
-                assert_eq!(corners(other, back), [a, c, b]);
+                let (one, odd) = corners(cell, facet);
+                assert_eq!(corners(other, across.facet()), (one, !odd));
             }
         }
     }
@@ -34,7 +37,7 @@ impl Workspace {
 fn check(points: &[Point]) -> Delaunay {
     let mut workspace = Workspace::default();
     let found = workspace.delaunay(points).unwrap();
-    workspace.sanity_check();
+    workspace.0.sanity_check();
     found
 }
 
@@ -68,9 +71,9 @@ fn a_cavity_of_many_corners_is_linked() {
     points.push(Point::new(1000.0, -1000.0, -1000.0));
     let mut workspace = Workspace::default();
     let found = workspace.delaunay(&points).unwrap();
-    workspace.sanity_check();
-    assert_eq!(workspace.order.last(), Some(&400));
-    assert!(!workspace.links.edges.is_empty());
+    workspace.0.sanity_check();
+    assert_eq!(workspace.0.order.last(), Some(&400));
+    assert!(!workspace.0.links.ridges.is_empty());
     let spokes = found.edges().iter().filter(|edge| edge[1] == 400).count();
     assert!(spokes > SIDE, "{spokes}");
 }
@@ -86,7 +89,33 @@ fn a_workspace_forgets() {
         Err(DelaunayError::Flat { points: 9, span: Span::Plane })
     );
     assert_eq!(workspace.delaunay(&small).unwrap(), before);
-    workspace.sanity_check();
+    workspace.0.sanity_check();
+}
+
+fn check_4d(points: &[[f64; 4]]) -> Delaunay<5> {
+    let mut workspace = Workspace::default();
+    let found = workspace.delaunay_4d(points).unwrap();
+    workspace.0.sanity_check();
+    found
+}
+
+fn scattered_4d(count: usize) -> Vec<[f64; 4]> {
+    let fraction = |i: usize, prime: f64| (i as f64 * prime.sqrt()).fract();
+    (1..=count).map(|i| [2.0, 3.0, 5.0, 7.0].map(|prime| fraction(i, prime))).collect()
+}
+
+#[test]
+fn links_are_mutual_in_four_dimensions() {
+    let cells = |side: usize| {
+        let place = move |i: usize| [1, side, side.pow(2), side.pow(3)].map(|n| i / n % side);
+        (0..side.pow(4)).map(move |i| place(i).map(|c| c as f64)).collect::<Vec<_>>()
+    };
+    for side in 2..4 {
+        assert!(check_4d(&cells(side)).duplicates().is_empty());
+    }
+    for count in [5, 6, 7, 20, 300] {
+        check_4d(&scattered_4d(count));
+    }
 }
 
 proptest! {
@@ -103,21 +132,54 @@ proptest! {
         if nudged {
             points[4] *= 1.0 + 2.0_f64.powi(nudge);
         }
-        let [a, b, c, d, _] = &points;
-        if predicates::orientation(a, b, c, d) < 0.0 {
-            points.swap(0, 1);
+        check_filter(points.map(|p| [p.x, p.y, p.z]));
+    }
+
+    #[test]
+    fn the_filter_never_contradicts_the_exact_sign_in_four_dimensions(
+        turns in prop::array::uniform6(prop::array::uniform3(0.0..6.3_f64)),
+        nudge in -50_i32..-20, nudged in any::<bool>(), shift in prop_oneof![Just(0.0), 0.0..1e6],
+    ) {
+        let mut points = turns.map(|[u, v, w]| {
+            let ring = w.cos();
+            [
+                shift + ring * u.cos() * v.cos(),
+                0.3 * shift + ring * u.sin() * v.cos(),
+                ring * v.sin(),
+                w.sin(),
+            ]
+        });
+        if nudged {
+            points[5] = points[5].map(|c| c * (1.0 + 2.0_f64.powi(nudge)));
         }
-        let mut workspace = Workspace::default();
-        workspace.prepare(&points).unwrap();
-        let [a, b, c, d, _, _] = workspace.lifted[..] else { unreachable!() };
-        let n = cells::plane(&a, &b, &c, &d);
-        let q = &workspace.lifted[4];
-        let value = n[0] * q[0] + n[1] * q[1] + n[2] * q[2] + n[3] * q[3] + n[4];
-        let [a, b, c, d, _] = &points;
-        prop_assume!(predicates::orientation(a, b, c, d) > 0.0);
-        let exact = predicates::in_sphere([a, b, c, d], &points[4]);
-        if value.abs() > workspace.bounds.sphere {
-            prop_assert_eq!(value > 0.0, exact > 0.0);
-        }
+        check_filter(points);
+    }
+}
+
+/// The last of the points against the sphere of the others, and their orientation.
+#[track_caller]
+fn check_filter<const D: usize, const N: usize, const K: usize>(mut points: [[f64; D]; K])
+where
+    Triangulation<D, N>: Dimension<D, N>,
+{
+    let corners = |points: &[[f64; D]; K]| Triangulation::orientation(from_fn(|i| &points[i]));
+    if corners(&points) < 0.0 {
+        points.swap(0, 1);
+    }
+    let exact = corners(&points);
+    let mut made = Triangulation::<D, N>::default();
+    made.prepare(points.into_iter()).unwrap();
+    let lifted: [&[f64; N]; N] = from_fn(|i| &made.lifted[i]);
+    let rounded = Triangulation::determinant(lifted);
+    if rounded.abs() > made.bounds.solid {
+        assert_eq!(rounded > 0.0, exact > 0.0);
+    }
+    if exact == 0.0 {
+        return;
+    }
+    let rounded = Plane::through::<D>(lifted).value(&made.lifted[N]);
+    if rounded.abs() > made.bounds.sphere {
+        let exact = Triangulation::in_sphere(from_fn(|i| &points[i]), &points[N]);
+        assert_eq!(rounded > 0.0, exact > 0.0);
     }
 }

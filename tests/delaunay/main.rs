@@ -4,6 +4,7 @@
 //! integers up to 2²⁰ times a power of two.
 
 mod definition;
+mod four;
 
 use definition::{Cell, at, check, in_sphere, volume};
 use handover_mesh::Point;
