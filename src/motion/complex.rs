@@ -11,7 +11,7 @@ use nalgebra::{Const, DimMin, SMatrix, ToTypenum};
 use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation as _};
 
 use super::{MotionError, Rows};
-use crate::delaunay::{DelaunayError, MAGNITUDES, Span, delaunay};
+use crate::delaunay::{Delaunay, DelaunayError, MAGNITUDES, Span, delaunay, delaunay_4d};
 use crate::geometry::Point;
 
 /// The simplices of latent points in 2, 3 or 4 dimensions; immutable.
@@ -74,7 +74,7 @@ impl Place {
 
 impl Complex {
     /// The dimensions that have a triangulation here.
-    pub const DIMENSIONS: std::ops::RangeInclusive<usize> = 2..=3;
+    pub const DIMENSIONS: std::ops::RangeInclusive<usize> = 2..=4;
 
     /// Triangulates points.
     ///
@@ -89,15 +89,22 @@ impl Complex {
             3 => {
                 let places: Vec<Point> =
                     points.iter().map(|p| Point::new(p[0], p[1], p[2])).collect();
-                let found = delaunay(&places)?;
-                Ok(Self::of::<3, 4>(
-                    points,
-                    found.tetrahedra().to_vec(),
-                    found.duplicates().to_vec(),
-                ))
+                Ok(Self::of_delaunay::<3, 4>(points, &delaunay(&places)?))
+            }
+            4 => {
+                let places: Vec<[f64; 4]> =
+                    points.iter().map(|p| [p[0], p[1], p[2], p[3]]).collect();
+                Ok(Self::of_delaunay::<4, 5>(points, &delaunay_4d(&places)?))
             }
             dimensions => Err(MotionError::Dimensions { dimensions }),
         }
+    }
+
+    fn of_delaunay<const D: usize, const N: usize>(points: &Rows, found: &Delaunay<N>) -> Self
+    where
+        Const<D>: ToTypenum + DimMin<Const<D>, Output = Const<D>>,
+    {
+        Self::of::<D, N>(points, found.simplices().to_vec(), found.duplicates().to_vec())
     }
 
     fn of<const D: usize, const N: usize>(
