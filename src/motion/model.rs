@@ -55,9 +55,16 @@ impl MotionModel {
     /// Learns from sequences of poses; an empty sequence says nothing.
     ///
     /// # Errors
-    /// [`MotionError`]: no poses, sequences of different channels, or poses that span too few
-    /// dimensions.
+    /// [`MotionError`]: no poses, sequences of different channels, poses that span too few
+    /// dimensions, or simplices asked for in more than there are any.
     pub fn fit(sequences: &[Rows], settings: MotionSettings) -> Result<Self, MotionError> {
+        if let Dimensions::Count(dimensions) = settings.dimensions
+            && settings.neighbourhood.has_simplices()
+            && !Complex::DIMENSIONS.contains(&dimensions)
+        {
+            // Whoever asks for so many need not wait for it, nor be told first of another reason.
+            return Err(MotionError::Dimensions { dimensions });
+        }
         let channels = sequences.first().ok_or(MotionError::NoPoses)?.width();
         let mut values = Vec::new();
         let mut ranges = Vec::with_capacity(sequences.len());
