@@ -67,7 +67,6 @@ fn model(criterion: &mut Criterion) {
         let name = neighbourhood.name();
         let model = fit(&walks, neighbourhood);
         let graph = model.graph();
-        eprintln!("{name}: {} edges, {} components", graph.edge_count(), graph.components().len());
         group.bench_function(BenchmarkId::new("fit", name), |bench| {
             bench.iter(|| fit(black_box(&walks), neighbourhood));
         });

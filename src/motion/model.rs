@@ -32,7 +32,7 @@ impl Default for MotionSettings {
 /// use handover_mesh::motion::{FollowSettings, MotionModel, MotionSettings, Rows};
 /// // Two rounds on a slightly tilted circle.
 /// let circle = |radius: f64| {
-///     let turns = (0..60).map(|k| f64::from(k) / 5.0);
+///     let turns = (0..240).map(|k| f64::from(k) / 20.0);
 ///     Rows::new(3, turns.flat_map(|t| [radius * t.cos(), radius * t.sin(), 0.1 * t.cos()]).collect())
 /// };
 /// let model = MotionModel::fit(&[circle(1.0)?, circle(1.1)?], MotionSettings::default())?;
