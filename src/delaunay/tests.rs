@@ -100,7 +100,7 @@ fn check_4d(points: &[[f64; 4]]) -> Delaunay<5> {
 }
 
 fn scattered_4d(count: usize) -> Vec<[f64; 4]> {
-    let fraction = |i: usize, prime: f64| (i as f64 * prime.sqrt()).fract();
+    let fraction = |i: usize, prime: f64| ((i * i) as f64 * prime.sqrt()).fract();
     (1..=count).map(|i| [2.0, 3.0, 5.0, 7.0].map(|prime| fraction(i, prime))).collect()
 }
 
