@@ -7,28 +7,33 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 /// An integer point, coordinates up to 2¹⁵ in size.
 type Cell = [i64; 4];
 
-/// By rows, whatever their number.
-fn det(rows: &[Vec<i128>]) -> i128 {
+/// The determinant of as many columns as rows: those whose bits are set.
+fn det(rows: &[[i128; 5]], columns: u32) -> i128 {
     let Some((first, rest)) = rows.split_first() else { return 1 };
     let mut sum = 0;
-    for column in 0..first.len() {
-        if first[column] == 0 {
-            continue;
+    let mut sign = 1;
+    for column in (0..5).filter(|column| columns >> column & 1 == 1) {
+        if first[column] != 0 {
+            sum += sign * first[column] * det(rest, columns & !(1 << column));
         }
-        let minor: Vec<Vec<i128>> =
-            (rest.iter()).map(|row| [&row[..column], &row[column + 1..]].concat()).collect();
-        sum += if column % 2 == 0 { 1 } else { -1 } * first[column] * det(&minor);
+        sign = -sign;
     }
     sum
 }
 
-fn minus(a: Cell, b: Cell) -> Vec<i128> {
-    (0..4).map(|i| i128::from(a[i] - b[i])).collect()
+/// The difference and the square of its length.
+fn minus(a: Cell, b: Cell) -> [i128; 5] {
+    let mut row = [0; 5];
+    for i in 0..4 {
+        row[i] = i128::from(a[i] - b[i]);
+        row[4] += row[i] * row[i];
+    }
+    row
 }
 
 /// `det(b − a, c − a, d − a, e − a)`.
 fn volume([a, others @ ..]: [Cell; 5]) -> i128 {
-    det(&others.map(|p| minus(p, a)))
+    det(&others.map(|p| minus(p, a)), 0b01111)
 }
 
 /// Positive if `p` is strictly inside the sphere of a positively oriented simplex.
@@ -36,12 +41,7 @@ fn volume([a, others @ ..]: [Cell; 5]) -> i128 {
 /// The determinant of the lifted differences to `p`. Differences are at most 2¹⁶, so its 120 terms
 /// stay below 2¹⁰⁵.
 fn in_sphere(corners: [Cell; 5], p: Cell) -> i128 {
-    let rows = corners.map(|corner| {
-        let mut row = minus(corner, p);
-        row.push(row.iter().map(|x| x * x).sum());
-        row
-    });
-    det(&rows).signum()
+    det(&corners.map(|corner| minus(corner, p)), 0b11111).signum()
 }
 
 fn at(cell: Cell, unit: f64) -> [f64; 4] {
@@ -81,7 +81,7 @@ fn check(cells: &[Cell], unit: f64) -> Delaunay<5> {
             let mut facet: Vec<u32> = simplex.to_vec();
             let apex = facet.remove(opposite);
             facet.sort_unstable();
-            facets.entry(facet.try_into().unwrap()).or_default().push(apex);
+            facets.entry(facet.try_into().expect("four corners")).or_default().push(apex);
         }
     }
     // The cone from one point over the hull's facets is the hull.
@@ -136,7 +136,7 @@ fn square(cell: &Cell) -> i64 {
 
 /// By elimination without fractions (Bareiss 1968): every number is a minor, below 2⁷⁰.
 fn spans(cells: &[Cell]) -> bool {
-    let mut rows: Vec<Vec<i128>> = cells.iter().map(|&cell| minus(cell, cells[0])).collect();
+    let mut rows: Vec<[i128; 5]> = cells.iter().map(|&cell| minus(cell, cells[0])).collect();
     let mut last = 1;
     for column in 0..4 {
         let Some(place) = rows.iter().position(|row| row[column] != 0) else { return false };
@@ -289,7 +289,7 @@ fn by_definition(cells: &[Cell]) -> Vec<[u32; 5]> {
     let mut found = Vec::new();
     for chosen in (0_u32..1 << cells.len()).filter(|chosen| chosen.count_ones() == 5) {
         let mut places = (0..cells.len() as u32).filter(|v| chosen >> v & 1 == 1);
-        let simplex = [0; 5].map(|_| places.next().unwrap());
+        let simplex = [0; 5].map(|_| places.next().expect("five bits"));
         let mut corners = simplex.map(|v| cells[v as usize]);
         if volume(corners) < 0 {
             corners.swap(0, 1);
