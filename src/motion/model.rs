@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::complex::Complex;
 use super::field::{self, FollowSettings, Path};
-use super::nearest::Nearest;
+use super::nearest::nearest_of_all;
 use super::neighbourhood::{Around, Neighbourhood, Neighbours};
 use super::{Dimensions, MotionError, MotionGraph, Pca, Rows};
 
@@ -157,13 +157,12 @@ impl MotionModel {
         let points = self.points();
         let mut pairs: Vec<[u32; 2]> = Vec::new();
         if self.neighbourhood() != Neighbourhood::Delaunay {
-            let (nearest, k) = (Nearest::new(points), self.neighbours.k());
-            let mut near = Vec::with_capacity(k + 1);
-            for (pose, point) in (0..).zip(points.iter()) {
-                // The pose itself is one of them.
-                nearest.nearest(point, k + 1, &mut near);
-                let others = near.iter().filter(|near| near.point != pose).take(k);
-                pairs.extend(others.map(|near| [pose, near.point]));
+            // The pose itself is one of them.
+            let k = self.neighbours.k();
+            let rows = nearest_of_all(points, k + 1);
+            for (pose, row) in (0..).zip(rows.chunks_exact((k + 1).min(points.len()))) {
+                let others = row.iter().filter(|other| **other != pose).take(k);
+                pairs.extend(others.map(|other| [pose, *other]));
             }
         }
         if let Some(complex) = self.complex() {
