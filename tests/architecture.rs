@@ -9,10 +9,11 @@ use std::path::Path;
 
 /// Who may import whom: a module, its layer, and the neighbours in its own layer it builds on.
 /// Whatever stands in a lower layer is allowed.
-const LAYERS: [(&str, u32, &[&str]); 17] = [
+const LAYERS: [(&str, u32, &[&str]); 19] = [
     ("geometry", 0, &[]),
     ("time", 0, &[]),
     ("statistics", 0, &[]),
+    ("linear", 0, &[]),
     ("delaunay", 0, &["geometry"]),
     ("align", 0, &[]),
     ("skeleton", 1, &[]),
@@ -22,6 +23,7 @@ const LAYERS: [(&str, u32, &[&str]); 17] = [
     ("mesh", 2, &[]),
     ("retarget", 2, &["mesh"]),
     ("demonstration", 2, &[]),
+    ("forecast", 2, &[]),
     ("predict", 3, &[]),
     ("learn", 4, &[]),
     // Evaluation does not read parameters: that is for the shells.

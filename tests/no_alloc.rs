@@ -1,12 +1,15 @@
-//! Once a workspace is made, assembling, factoring and solving allocate nothing, nor do queries of
-//! a motion model.
+//! Once a workspace is made, assembling, factoring, solving, asking a motion model and forecasting
+//! allocate nothing.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
 use std::sync::Arc;
 
+use handover_mesh::forecast::{ForecastMethod, ForecastSettings, Forecaster, Moment};
 use handover_mesh::mesh::{EdgeWeights, InitialEdges, InteractionMesh, Kernel, Pair, Topology};
 use handover_mesh::motion::{MotionModel, MotionSettings, Neighbourhood, Rows};
 use handover_mesh::retarget::{Constraint, RetargetSettings, Retargeter, Start, Transform};
-use handover_mesh::{Point, Skeleton};
+use handover_mesh::{Frame, Point, Sequence, Skeleton, Stamp};
 
 #[test]
 fn solves_allocate_nothing() {
@@ -66,5 +69,37 @@ fn field_queries_allocate_nothing() {
             }
         });
         assert_eq!(allocations.count_total, 0, "{}: {allocations:?}", neighbourhood.name());
+    }
+}
+
+#[test]
+fn forecasts_allocate_nothing() {
+    let skeleton = Skeleton::nite();
+    let motion = |seed: f64| {
+        let frame = |k: i64| {
+            let time = k as f64 / 30.0;
+            let place =
+                |j: f64| Point::new((seed + time * j).sin(), (j * j + seed).cos(), time + j);
+            let positions = (0..15).map(|j| place(0.3 * f64::from(j))).collect();
+            Frame { stamp: Stamp(k * 33_333_333), positions }
+        };
+        Sequence::new(skeleton.clone(), (0..60).map(frame).collect()).unwrap()
+    };
+    let (one, other, seen) = (motion(0.0), motion(0.4), motion(0.7));
+    for simplex_dimensions in [2, 3, 4] {
+        let settings = ForecastSettings { simplex_dimensions, ..ForecastSettings::default() };
+        let root = skeleton.root();
+        let forecaster = Forecaster::fit(&[(&one, 0), (&other, 1)], root, settings).unwrap();
+        let mut moment = Moment::new(&skeleton, root);
+        let mut workspace = forecaster.workspace();
+        for now in [1, 2, 30, 60] {
+            let allocations = allocation_counter::measure(|| {
+                moment.observe(&skeleton, &seen.frames()[..now], forecaster.velocity_window());
+                for method in ForecastMethod::ALL {
+                    forecaster.forecast(method, &moment, &mut workspace);
+                }
+            });
+            assert_eq!(allocations.count_total, 0, "{simplex_dimensions}, {now}: {allocations:?}");
+        }
     }
 }

@@ -239,7 +239,7 @@ impl Config {
         fields.count("forecast.dimensions", &mut forecast.dimensions, 1, 1000);
         fields.count("forecast.simplex_dimensions", &mut forecast.simplex_dimensions, 2, 4);
         fields.count("forecast.neighbours", &mut forecast.neighbours, 1, 1000);
-        fields.count("forecast.averaged", &mut forecast.averaged, 1, 10_000);
+        fields.count("forecast.averaged", &mut forecast.averaged, 1, 1000);
         fields.float("forecast.joint_damping", &mut forecast.joint_damping, 1e-3, 1e3);
         fields.float("forecast.root_damping", &mut forecast.root_damping, 1e-3, 1e3);
         fields.float("baseline.ridge_penalty", &mut predict.ridge_penalty, 1e-9, 1e6);

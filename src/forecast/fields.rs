@@ -4,11 +4,11 @@
 //! need fewer dimensions, so theirs are those along which ridge regression expects motions to
 //! differ: the principal directions of what it predicts (reduced-rank regression, Izenman 1975).
 
-use super::ForecastSettings;
 use super::examples::Examples;
 use super::regression::Regression;
+use super::{ForecastError, ForecastSettings};
 use crate::motion::{
-    Around, Dimensions, MotionError, Nearest, Neighbourhood, Neighbours, Pca, Rows,
+    Around, Complex, Dimensions, MotionError, Nearest, Neighbourhood, Neighbours, Pca, Rows,
 };
 
 /// The most moments whose spread latent directions are taken from: more change them little.
@@ -42,11 +42,12 @@ pub(super) struct Search {
 
 impl Fields {
     /// # Errors
-    /// [`MotionError`] if the moments span too few dimensions for simplices.
+    /// [`ForecastError::Alike`] if the moments span too few dimensions for simplices;
+    /// [`ForecastError::Motion`].
     pub(super) fn fit(
         examples: &Examples,
         settings: &ForecastSettings,
-    ) -> Result<Self, MotionError> {
+    ) -> Result<Self, ForecastError> {
         let outputs = settings.horizons.len() * examples.joints;
         let regression = Regression::fit(examples, settings.horizons.len(), settings.ridge_penalty);
         let mut expected = vec![0.0; examples.len() * outputs];
@@ -59,6 +60,9 @@ impl Fields {
         let nearest = Neighbours::new(points, Neighbourhood::Knn, k)?;
         let (expected, points) =
             latent(&Rows::new(outputs, expected)?, settings.simplex_dimensions)?;
+        if points.width() < *Complex::DIMENSIONS.start() {
+            return Err(ForecastError::Alike { moments: points.len(), rank: points.width() });
+        }
         let averaged = averaged(examples, &points, settings);
         Ok(Self {
             regression,
@@ -122,14 +126,18 @@ impl Fields {
 }
 
 /// The principal directions of rows, and the rows along them; fewer where they span fewer.
-fn latent(rows: &Rows, dimensions: usize) -> Result<(Pca, Rows), MotionError> {
+///
+/// # Errors
+/// [`ForecastError::Alike`] if they span none.
+fn latent(rows: &Rows, dimensions: usize) -> Result<(Pca, Rows), ForecastError> {
     let step = rows.len().div_ceil(MOST_SPREAD).max(1);
     let spread = rows.iter().step_by(step).flatten().copied().collect();
     let spread = Rows::new(rows.width(), spread)?;
     let pca = match Pca::fit(&spread, Dimensions::Count(dimensions)) {
-        Err(MotionError::Rank { rank, .. }) if rank > 0 => {
-            Pca::fit(&spread, Dimensions::Count(rank))?
+        Err(MotionError::Rank { rank: 0, .. }) => {
+            return Err(ForecastError::Alike { moments: rows.len(), rank: 0 });
         }
+        Err(MotionError::Rank { rank, .. }) => Pca::fit(&spread, Dimensions::Count(rank))?,
         fitted => fitted?,
     };
     let points = pca.project(rows);

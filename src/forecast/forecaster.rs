@@ -73,6 +73,17 @@ pub enum ForecastError {
         /// Which motion, counted from 0.
         motion: usize,
     },
+    /// What is expected of the moments differs along too few directions for simplices.
+    #[error(
+        "what comes after the {moments} moments spans {rank} dimension(s), and simplices take at \
+         least 2 (hint: more, and more different motions)"
+    )]
+    Alike {
+        /// How many moments there are.
+        moments: usize,
+        /// Dimensions that the features or what is expected of them span.
+        rank: usize,
+    },
     /// Moments without a latent space.
     #[error(transparent)]
     Motion(#[from] MotionError),
@@ -169,12 +180,12 @@ impl Forecaster {
         let fields = Fields::fit(&examples, &settings)?;
         let mut forecaster =
             Self { fields, mixture: Sums::new(horizons).solve(UNTRIED), root, joints, settings };
-        forecaster.mixture = forecaster.trust(&examples)?.solve(UNTRIED);
+        forecaster.mixture = forecaster.trust(&examples).solve(UNTRIED);
         Ok(forecaster)
     }
 
     /// What the methods say of moments that they did not learn from.
-    fn trust(&self, examples: &Examples) -> Result<Sums, MotionError> {
+    fn trust(&self, examples: &Examples) -> Sums {
         let horizons = self.settings.horizons.len();
         let mut sums = Sums::new(horizons);
         let mut groups = examples.group.clone();
@@ -183,13 +194,14 @@ impl Forecaster {
         groups.dedup();
         let parts = PARTS.min(groups.len() as u32);
         if parts < 2 {
-            return Ok(sums);
+            return sums;
         }
         let part_of = |group: u32| groups.partition_point(|known| *known < group) as u32 % parts;
         for part in 0..parts {
             let learned = examples.part(|group| part_of(group) != part);
             let held_out = examples.part(|group| part_of(group) == part);
-            let fields = Fields::fit(&learned, &self.settings)?;
+            // What is left may teach nothing, as where one recording alone is long enough.
+            let Ok(fields) = Fields::fit(&learned, &self.settings) else { continue };
             let mut workspace = self.workspace_of(&fields);
             for moment in 0..held_out.len() {
                 self.ask(&fields, held_out.features_of(moment), &mut workspace);
@@ -201,7 +213,7 @@ impl Forecaster {
                 }
             }
         }
-        Ok(sums)
+        sums
     }
 
     /// How far ahead forecasts go `[s]`, rising.

@@ -9,7 +9,8 @@ use nalgebra::{SMatrix, SVector};
 /// How many methods are mixed.
 pub(super) const EXPERTS: usize = 4;
 
-/// Part of the mean curvature that keeps weights of methods that say the same from growing.
+/// Part of each method's own curvature, so that no method's size matters to the others, that keeps
+/// weights of methods that say the same from growing.
 const RIDGE: f64 = 1e-3;
 
 /// Weights per horizon: of the root's displacement, and of the others' relative to it.
@@ -51,8 +52,15 @@ impl Sums {
     pub(super) fn solve(&self, otherwise: [f64; EXPERTS]) -> Mixture {
         let weights = self.0.iter().map(|parts| {
             parts.each_ref().map(|(curvature, slope)| {
-                let ridge = RIDGE * curvature.trace() / EXPERTS as f64;
-                let regular = curvature + SMatrix::identity() * ridge;
+                if curvature.trace() == 0.0 {
+                    return otherwise;
+                }
+                let mut regular = *curvature;
+                for method in 0..EXPERTS {
+                    let own = &mut regular[(method, method)];
+                    // Who says that nothing moves weighs nothing.
+                    *own = if *own > 0.0 { (1.0 + RIDGE) * *own } else { 1.0 };
+                }
                 regular.cholesky().map_or(otherwise, |factor| factor.solve(slope).into())
             })
         });
@@ -91,4 +99,98 @@ impl Mixture {
 fn relative(displacement: &[f64], joint: usize, root: usize, axis: usize) -> f64 {
     let own = displacement[3 * joint + axis];
     if joint == root { own } else { own - displacement[3 * root + axis] }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{Rng as _, SeedableRng as _};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+
+    const OTHERWISE: [f64; EXPERTS] = [0.25; EXPERTS];
+    const ROOT: usize = 1;
+
+    /// What four methods say of three joints, each of its own size, and the truth: a sum of them
+    /// by weights of the root and of the others.
+    fn said(
+        random: &mut ChaCha8Rng,
+        sizes: [f64; EXPERTS],
+        weights: [[f64; EXPERTS]; 2],
+    ) -> ([Vec<f64>; EXPERTS], Vec<f64>) {
+        let said = sizes.map(|size| {
+            (0..9).map(|_| size * random.random_range(-1.0..1.0)).collect::<Vec<f64>>()
+        });
+        let mut truth = vec![0.0; 9];
+        Mixture(vec![weights]).mix(0, ROOT, said.each_ref().map(Vec::as_slice), &mut truth);
+        (said, truth)
+    }
+
+    /// The weights learned over the second of two horizons.
+    fn learned(sizes: [f64; EXPERTS], weights: [[f64; EXPERTS]; 2]) -> [[f64; EXPERTS]; 2] {
+        let mut random = ChaCha8Rng::seed_from_u64(5);
+        let mut sums = Sums::new(2);
+        for _ in 0..400 {
+            let (said, truth) = said(&mut random, sizes, weights);
+            sums.add(1, ROOT, said.each_ref().map(Vec::as_slice), &truth);
+        }
+        let Mixture(found) = sums.solve(OTHERWISE);
+        assert_eq!(found[0], [OTHERWISE; 2], "nothing is known of the first");
+        found[1]
+    }
+
+    #[track_caller]
+    fn check_found(sizes: [f64; EXPERTS], weights: [[f64; EXPERTS]; 2]) {
+        let found = learned(sizes, weights);
+        let most: f64 =
+            sizes.into_iter().zip(weights.concat().iter().cycle()).map(|(s, w)| s * w).sum();
+        for (found, weights) in found.iter().zip(&weights) {
+            for ((found, weight), size) in found.iter().zip(weights).zip(sizes) {
+                assert!((found - weight).abs() * size < 0.01 * most, "{found} for {weight}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_weights_that_were_mixed_by_are_found() {
+        check_found([1.0; 4], [[0.1, 0.2, 0.3, 0.4], [0.7, 0.0, -0.2, 0.5]]);
+    }
+
+    #[test]
+    fn who_is_right_is_believed_whatever_the_others_sizes() {
+        for right in 0..EXPERTS {
+            let mut weights = [0.0; EXPERTS];
+            weights[right] = 1.0;
+            check_found([1.0; 4], [weights; 2]);
+            let mut sizes = [1e3, 1e-3, 1e6, 0.0];
+            sizes[right] = 1.0;
+            let found = learned(sizes, [weights; 2]);
+            for (method, weight) in found.as_flattened().iter().enumerate() {
+                let (method, sure) = (method % EXPERTS, (weight - 1.0).abs() < 0.01);
+                assert_eq!(sure, method == right, "{found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn who_says_the_same_shares_and_who_says_nothing_weighs_nothing() {
+        let mut sums = Sums::new(1);
+        let (one, nothing) = ([1.0, 2.0, 3.0, -2.0, 0.5, 0.1, 3.0, 1.0, -1.0], [0.0; 9]);
+        sums.add(0, ROOT, [&one, &nothing, &one, &nothing], &one);
+        for [a, b, c, d] in sums.solve(OTHERWISE).0[0] {
+            assert!((a - 0.5).abs() < 1e-3 && (a - c).abs() < 1e-9, "{a}, {c}");
+            assert_eq!([b, d], [0.0; 2]);
+        }
+        // Where nothing moves and all say so, nothing is known of any.
+        let mut still = Sums::new(1);
+        still.add(0, ROOT, [&nothing; EXPERTS], &nothing);
+        assert_eq!(still.solve(OTHERWISE).0[0], [OTHERWISE; 2]);
+    }
+
+    #[test]
+    fn numbers_too_large_to_be_squared_are_not_learned_from() {
+        let mut sums = Sums::new(1);
+        sums.add(0, ROOT, [&[1e300; 9]; EXPERTS], &[1e300; 9]);
+        assert!(sums.solve(OTHERWISE).0[0].as_flattened().iter().all(|weight| weight.is_finite()));
+    }
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context as _, bail};
+use clap::ValueEnum as _;
 use handover_mesh::Config;
 use handover_mesh::evaluate::{
     self, Condition, EvaluateSettings, ForecastProtocol, displaced, leave_one_out,
@@ -15,7 +16,7 @@ use crate::args::{Evaluate, Protocol};
 use crate::demonstrations::{self, Loaded};
 use crate::output::Output;
 use crate::progress::Progress;
-use crate::{Outcome, files, plot, tables, thesis};
+use crate::{Outcome, UsageError, files, plot, tables, thesis};
 
 /// Loads, evaluates, prints.
 pub(crate) fn run(
@@ -27,6 +28,7 @@ pub(crate) fn run(
     files::check_out(out.as_deref(), "json", demonstrations)?;
     files::check_out(arguments.plot.as_deref(), "svg", demonstrations)?;
     thesis::check(arguments)?;
+    check(arguments)?;
     let role = arguments.role.as_deref();
     let Loaded { demonstrations, role, left_out, first_left_out, .. } =
         demonstrations::load(demonstrations, role, selection, config, output)?;
@@ -92,6 +94,36 @@ pub(crate) fn run(
         }
     };
     Ok(if whole && left_out == 0 { Outcome::Done } else { Outcome::Loss })
+}
+
+/// Refuses methods of other protocols, and how edges are learned where none are.
+///
+/// # Errors
+/// [`UsageError`].
+fn check(arguments: &Evaluate) -> anyhow::Result<()> {
+    let own = match arguments.protocol {
+        Protocol::LeaveOneOut | Protocol::Displaced => Method::ALL.map(Method::name),
+        Protocol::Forecast => ForecastMethod::ALL.map(ForecastMethod::name),
+        // It has no columns.
+        Protocol::Thesis => return Ok(()),
+    };
+    if let Some(other) = arguments.methods.iter().find(|name| !own.contains(&name.as_str())) {
+        let protocol = arguments.protocol.to_possible_value();
+        bail!(UsageError(format!(
+            "--methods: '{other}' is no method of the protocol {}, which has {}",
+            protocol.as_ref().map_or("", |protocol| protocol.get_name()),
+            own.join(", ")
+        )));
+    }
+    let learning = &arguments.learning;
+    let given = [("--method", &learning.method), ("--kernel", &learning.kernel)];
+    let given = given.iter().find(|(_, given)| given.is_some());
+    if let Some((option, _)) = given.filter(|_| arguments.protocol == Protocol::Forecast) {
+        bail!(UsageError(format!(
+            "{option}: the protocol forecast learns no edges (hint: --methods picks its columns)"
+        )));
+    }
+    Ok(())
 }
 
 /// Failures to stderr, the result to stdout and to a file.
