@@ -4,11 +4,13 @@
 //! need fewer dimensions, so theirs are those along which ridge regression expects motions to
 //! differ: the principal directions of what it predicts (reduced-rank regression, Izenman 1975).
 
+use rayon::prelude::*;
+
 use super::examples::Examples;
 use super::regression::Regression;
 use super::{ForecastError, ForecastSettings};
 use crate::motion::{
-    Around, Complex, Dimensions, MotionError, Nearest, Neighbourhood, Neighbours, Pca, Rows,
+    Around, Complex, Dimensions, MotionError, Neighbourhood, Neighbours, Pca, Rows,
 };
 
 /// The most moments whose spread latent directions are taken from: more change them little.
@@ -51,9 +53,9 @@ impl Fields {
         let outputs = settings.horizons.len() * examples.joints;
         let regression = Regression::fit(examples, settings.horizons.len(), settings.ridge_penalty);
         let mut expected = vec![0.0; examples.len() * outputs];
-        for (moment, row) in expected.chunks_exact_mut(outputs).enumerate() {
+        expected.par_chunks_exact_mut(outputs).enumerate().for_each(|(moment, row)| {
             regression.predict(examples.features_of(moment), row);
-        }
+        });
         let seen = Rows::new(examples.width, examples.features.clone())?;
         let (features, points) = latent(&seen, settings.dimensions)?;
         let k = settings.neighbours;
@@ -148,17 +150,17 @@ fn latent(rows: &Rows, dimensions: usize) -> Result<(Pca, Rows), ForecastError> 
 /// their motions reach. Where none reaches a horizon, the displacement over the one before stays.
 fn averaged(examples: &Examples, points: &Rows, settings: &ForecastSettings) -> Vec<f64> {
     let (horizons, joints) = (settings.horizons.len(), examples.joints);
-    let nearest = Nearest::new(points);
-    let mut near = Vec::with_capacity(settings.averaged);
+    let along = Along::new(points);
     let mut averaged = vec![0.0; examples.len() * horizons * joints];
-    for (point, means) in points.iter().zip(averaged.chunks_exact_mut(horizons * joints)) {
-        nearest.nearest(point, settings.averaged, &mut near);
+    let rows = averaged.par_chunks_exact_mut(horizons * joints).enumerate();
+    let room = || Vec::with_capacity(settings.averaged);
+    rows.for_each_init(room, |near, (point, means)| {
+        along.nearest(point, settings.averaged, near);
         for horizon in 0..horizons {
             let (before, mean) = means.split_at_mut(horizon * joints);
             let mean = &mut mean[..joints];
             let mut count = 0.0;
-            for near in &near {
-                let moment = near.point as usize;
+            for &(_, moment) in &*near {
                 if examples.reach[moment] as usize > horizon {
                     let of = examples.displacement_of(moment, horizon, horizons);
                     mean.iter_mut().zip(of).for_each(|(m, d)| *m += d);
@@ -171,8 +173,75 @@ fn averaged(examples: &Examples, points: &Rows, settings: &ForecastSettings) -> 
                 mean.copy_from_slice(before);
             }
         }
-    }
+    });
     averaged
+}
+
+/// Points in the order of their first coordinate, along which all of them look for their nearest:
+/// past those as far off along it as the nearest are at all, nobody is nearer.
+struct Along<'a> {
+    points: &'a Rows,
+    order: Vec<usize>,
+    /// Each point's place in the order.
+    place: Vec<usize>,
+}
+
+impl<'a> Along<'a> {
+    fn new(points: &'a Rows) -> Self {
+        let mut order: Vec<usize> = (0..points.len()).collect();
+        order.sort_by(|a, b| points.row(*a)[0].total_cmp(&points.row(*b)[0]));
+        let mut place = vec![0; order.len()];
+        order.iter().enumerate().for_each(|(at, point)| place[*point] = at);
+        Self { points, order, place }
+    }
+
+    /// The `count` points nearest to one of them, itself among them, as [`Nearest::nearest`](crate::motion::Nearest::nearest) finds
+    /// them: squared distance and row, nearest first, of equally near ones the first.
+    fn nearest(&self, point: usize, count: usize, found: &mut Vec<(f64, usize)>) {
+        found.clear();
+        let here = self.points.row(point);
+        let (mut below, mut above) = (self.place[point], self.place[point]);
+        let mut farthest = f64::INFINITY;
+        let gap = |at: usize| (self.points.row(self.order[at])[0] - here[0]).powi(2);
+        loop {
+            let down = below.checked_sub(1).map(|at| (gap(at), at));
+            let up = (above < self.order.len()).then(|| (gap(above), above));
+            let next = match (down, up) {
+                (Some(down), Some(up)) => {
+                    if down.0 < up.0 {
+                        down
+                    } else {
+                        up
+                    }
+                }
+                (Some(one), None) | (None, Some(one)) => one,
+                (None, None) => return,
+            };
+            if next.0 > farthest {
+                return;
+            }
+            if next.1 < below {
+                below = next.1;
+            } else {
+                above += 1;
+            }
+            let other = self.order[next.1];
+            let axes = self.points.row(other).iter().zip(here);
+            let near = (axes.map(|(a, b)| (a - b) * (a - b)).sum::<f64>(), other);
+            if near.0 <= farthest {
+                let nearer = |known: &(f64, usize)| *known < near;
+                let at = found.partition_point(nearer);
+                if at == count {
+                    continue;
+                }
+                found.truncate(count - 1);
+                found.insert(at, near);
+                if found.len() == count {
+                    farthest = found[count - 1].0;
+                }
+            }
+        }
+    }
 }
 
 /// Every moment's own displacement; beyond its motion's end, the averaged one.
@@ -184,4 +253,36 @@ fn completed(examples: &Examples, averaged: &[f64], outputs: usize) -> Vec<f64> 
         own[from..].copy_from_slice(&mean[from..]);
     }
     completed
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{Rng as _, SeedableRng as _};
+    use rand_chacha::ChaCha8Rng;
+
+    use super::*;
+    use crate::motion::Nearest;
+
+    #[test]
+    fn along_an_axis_the_nearest_are_those_of_all() {
+        let mut random = ChaCha8Rng::seed_from_u64(3);
+        for (dimensions, count) in [(2, 1), (2, 7), (3, 90), (4, 150)] {
+            // Whole numbers of few sizes: many points at one place, and equally far.
+            for size in [0.0, 3.0, 1e6] {
+                let mut number = || f64::round(random.random_range(-1.0..1.0) * size);
+                let values = (0..dimensions * count).map(|_| number()).collect();
+                let points = Rows::new(dimensions, values).unwrap();
+                let (along, nearest) = (Along::new(&points), Nearest::new(&points));
+                for k in [1, 5, 200] {
+                    let (mut found, mut known) = (Vec::new(), Vec::new());
+                    for point in 0..count {
+                        along.nearest(point, k, &mut found);
+                        nearest.nearest(points.row(point), k, &mut known);
+                        let known = known.iter().map(|n| (n.squared_distance, n.point as usize));
+                        assert_eq!(found, known.collect::<Vec<_>>(), "{dimensions}, {size}, {k}");
+                    }
+                }
+            }
+        }
+    }
 }
