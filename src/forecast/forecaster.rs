@@ -182,7 +182,7 @@ impl Forecaster {
         }
         let horizons = settings.horizons.len();
         let joints = examples.joints;
-        let fields = Fields::fit(&examples, &settings)?;
+        let fields = Fields::fit(&examples, &settings, true)?;
         let mut forecaster =
             Self { fields, mixture: Sums::new(horizons).solve(UNTRIED), root, joints, settings };
         forecaster.mixture = forecaster.trust(&examples).solve(UNTRIED);
@@ -206,7 +206,7 @@ impl Forecaster {
             let learned = examples.part(|group| part_of(group) != part);
             let held_out = examples.part(|group| part_of(group) == part);
             // What is left may teach nothing, as where one recording alone is long enough.
-            let Ok(fields) = Fields::fit(&learned, &self.settings) else { continue };
+            let Ok(fields) = Fields::fit(&learned, &self.settings, false) else { continue };
             let moments: Vec<usize> = (0..held_out.len()).collect();
             let heard = moments.par_chunks(HEARD_TOGETHER).map(|moments| {
                 let mut workspace = self.workspace_of(&fields);
