@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// Who may import whom: a module, its layer, and the neighbours in its own layer it builds on.
 /// Whatever stands in a lower layer is allowed.
-const LAYERS: [(&str, u32, &[&str]); 18] = [
+const LAYERS: [(&str, u32, &[&str]); 19] = [
     ("geometry", 0, &[]),
     ("time", 0, &[]),
     ("statistics", 0, &[]),
@@ -18,6 +18,7 @@ const LAYERS: [(&str, u32, &[&str]); 18] = [
     ("align", 0, &[]),
     ("skeleton", 1, &[]),
     ("kinematics", 1, &[]),
+    ("motion", 1, &[]),
     ("formats", 2, &[]),
     ("mesh", 2, &[]),
     ("retarget", 2, &["mesh"]),

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stderr, reason = "helpers of tests fail by panicking")]
 
 #[path = "common/clips.rs"]
+#[allow(dead_code, reason = "what the figures are called is for other tests")]
 mod clips;
 mod common;
 
@@ -169,7 +170,7 @@ fn dimensions_are_counted_or_follow_from_the_variance() {
     };
     assert_eq!(dims(&["--dims", "3"]), 3);
     assert_eq!(dims(&["--set", "motion.dimensions=3"]), 3);
-    assert_eq!(dims(&["--variance", "0.5", "--neighbourhood", "knn"]), 1);
+    assert_eq!(dims(&["--variance", "0.2", "--neighbourhood", "knn"]), 1);
     assert_eq!(dims(&["--variance", "1", "--neighbourhood", "knn"]), 4);
     assert_eq!(dims(&["--folds", "2"]), 2);
 }
@@ -188,29 +189,31 @@ fn usage_errors_name_the_option() {
     }
     usage(&["--folds", "1"], &["--folds", "2..=1000"]);
     check(&folder, &["motion"], 2, &["SEQUENCE"]);
-    check(&folder, &["motion", "nowhere"], 2, &["nowhere"]);
+    check(&folder, &["motion", "nowhere"], 1, &["nowhere: no such file"]);
 }
 
 #[test]
 fn what_has_no_triangulation_names_the_nearest_neighbours() {
     let folder = walk(3);
-    let six = ["motion", "walk", "--dims", "6", "--neighbourhood", "delaunay"];
-    check(&folder, &six, 1, &["without 0", "6", "hint"]);
-    let one = ["motion", "walk", "--dims", "1", "--neighbourhood", "delaunay"];
-    check(&folder, &one, 1, &["not 1", "neighbourhood knn"]);
-    let knn = ["motion", "walk", "--dims", "1", "--neighbourhood", "knn"];
-    check(&folder, &knn, 0, &["1 dimensions explain"]);
-}
-
-/// Six channels and more, so that the refusal is the triangulation's.
-#[test]
-fn six_dimensions_are_too_many_for_simplices_and_not_for_nearest_neighbours() {
-    let folder = clips(4);
-    let six = |n| ["motion", "clips", "--dims", "6", "--neighbourhood", n];
+    let run = |dims, neighbourhood, code, words: &[&str]| {
+        let arguments = ["motion", "walk", "--dims", dims, "--neighbourhood", neighbourhood];
+        check(&folder, &arguments, code, words);
+    };
     for neighbourhood in ["delaunay", "k_delaunay", "all"] {
-        check(&folder, &six(neighbourhood), 1, &["not 6", "neighbourhood knn takes any"]);
+        // Of all three, the nearest neighbours come first, and lack poses for six.
+        let refused = [("1", "not 1"), ("6", "not 6")];
+        for (dims, not) in &refused[..if neighbourhood == "all" { 1 } else { 2 }] {
+            run(dims, neighbourhood, 1, &["without 0", not, "neighbourhood knn takes any"]);
+        }
     }
-    check(&folder, &six("knn"), 0, &["6 dimensions explain"]);
+    run("1", "knn", 0, &["1 dimensions explain"]);
+    run("6", "knn", 1, &["without 0", "span 4", "hint: fewer dimensions"]);
+    // No triangulation of as many dimensions as follow from the variance.
+    let clips = clips(4);
+    let share = ["motion", "clips", "--variance", "1", "--neighbourhood"];
+    check(&clips, &[&share[..], &["knn"]].concat(), 0, &["5 dimensions explain"]);
+    let words = ["not 5", "neighbourhood knn takes any"];
+    check(&clips, &[&share[..], &["delaunay"]].concat(), 1, &words);
 }
 
 #[test]
@@ -236,7 +239,7 @@ fn a_motion_takes_the_only_skeleton_beside_it() {
     check(&folder, &["motion", "walk"], 1, &["0.amc: which skeleton?", "leg.asf", "other.ASF"]);
     fs::remove_file(folder.path().join("walk/other.ASF")).unwrap();
     fs::write(&skeleton, SKELETON.replace("length 2", "length two")).unwrap();
-    check(&folder, &["motion", "walk"], 1, &["leg.asf: line 33", "'two'"]);
+    check(&folder, &["motion", "walk"], 1, &["leg.asf: line 36", "'two'"]);
     fs::remove_file(&skeleton).unwrap();
     check(&folder, &["motion", "walk"], 1, &["0.amc: no skeleton (.asf) beside it"]);
 }

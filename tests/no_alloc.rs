@@ -1,4 +1,5 @@
-//! Once a workspace is made, assembling, factoring, solving and forecasting allocate nothing.
+//! Once a workspace is made, assembling, factoring, solving, asking a motion model and forecasting
+//! allocate nothing.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
@@ -6,6 +7,7 @@ use std::sync::Arc;
 
 use handover_mesh::forecast::{ForecastMethod, ForecastSettings, Forecaster, Moment};
 use handover_mesh::mesh::{EdgeWeights, InitialEdges, InteractionMesh, Kernel, Pair, Topology};
+use handover_mesh::motion::{MotionModel, MotionSettings, Neighbourhood, Rows};
 use handover_mesh::retarget::{Constraint, RetargetSettings, Retargeter, Start, Transform};
 use handover_mesh::{Frame, Point, Sequence, Skeleton, Stamp};
 
@@ -41,6 +43,33 @@ fn solves_allocate_nothing() {
     }
     // The counter does count.
     assert!(allocation_counter::measure(|| drop(positions.clone())).count_total > 0);
+}
+
+#[test]
+fn field_queries_allocate_nothing() {
+    let pose = |k: i32| [1.0, 2.0, 3.0].map(|turn| (0.1 * turn * f64::from(k)).sin());
+    // Some poses twice, so that places have more poses than corners.
+    let poses: Vec<f64> = (0..200).chain(50..80).flat_map(pose).collect();
+    for neighbourhood in Neighbourhood::ALL {
+        let settings = MotionSettings { neighbourhood, ..MotionSettings::default() };
+        let sequence = Rows::new(3, poses.clone()).unwrap();
+        let model = MotionModel::fit(&[sequence], settings).unwrap();
+        let mut around = model.around();
+        let (mut point, mut velocity, mut pose) = ([0.0; 2], [0.0; 2], [0.0; 3]);
+        let allocations = allocation_counter::measure(|| {
+            for row in poses.chunks_exact(3) {
+                model.pca().project_pose(row, &mut point);
+                // On a pose, beside it, and outside the hull.
+                for stretch in [1.0, 1.01, 5.0] {
+                    let place = point.map(|value| stretch * value);
+                    model.find(&place, &mut around);
+                    model.velocity(&place, &mut around, &mut velocity);
+                    model.pca().reproject_point(&velocity, &mut pose);
+                }
+            }
+        });
+        assert_eq!(allocations.count_total, 0, "{}: {allocations:?}", neighbourhood.name());
+    }
 }
 
 #[test]

@@ -373,7 +373,7 @@ mod tests {
     fn off_default(key: &str, default: &Value) -> Config {
         let numbers = default.as_f64().map(|n| [n / 2.0, n + 0.1]).into_iter().flatten();
         let whole = default.as_u64().map(|n| n + 1).map(Value::from);
-        let words = ["uniform", "implicit", "soft", "neck", "grow", "none"].map(Value::from);
+        let words = ["uniform", "implicit", "soft", "neck", "grow", "none", "knn"].map(Value::from);
         let others = [Value::from(true), Value::from(false), vec!["head"].into()];
         let candidates = numbers
             .map(Value::from)

@@ -63,10 +63,14 @@ where
         for facet in &mut self.boundary {
             let Facet { corners, outside } = *facet;
             let mut vertices = [point; N];
-            vertices[1..].copy_from_slice(&corners);
+            let mut lifted = [&self.lifted[point as usize]; N];
+            for i in 0..D {
+                vertices[i + 1] = corners[i];
+                lifted[i + 1] = &self.lifted[corners[i] as usize];
+            }
             let mut neighbours = [Side::default(); N];
             neighbours[0] = outside;
-            let plane = Plane::through(vertices.map(|v| &self.lifted[v as usize]));
+            let plane = Plane::through(lifted);
             let made = Cell { vertices, neighbours, plane, mark: 0 };
             let cell = match vacant.next().or_else(|| self.free.pop()) {
                 Some(cell) => {

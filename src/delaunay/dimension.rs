@@ -1,7 +1,5 @@
 //! What depends on the number of axes: determinants, rounded and exact, and what rounding costs.
 
-use super::triangulation::Triangulation;
-
 /// A point about the middle of the points' box, and its squared distance from there.
 pub(super) type Lifted<const N: usize> = [f64; N];
 
@@ -53,13 +51,3 @@ pub(super) trait Dimension<const D: usize, const N: usize> {
     /// pointing to smaller squared distances: `n·r = −det(b̂ − â, ĉ − â, …, r)`.
     fn normal(simplex: [&Lifted<N>; N]) -> Lifted<N>;
 }
-
-/// Whether all that is asked of a dimension is there; keeps the two entries from drifting apart.
-const fn is_dimension<const D: usize, const N: usize>()
-where
-    Triangulation<D, N>: Dimension<D, N>,
-{
-    assert!(N == D + 1);
-}
-const _: () = is_dimension::<3, 4>();
-const _: () = is_dimension::<4, 5>();

@@ -23,13 +23,7 @@ impl Dimension<4, 5> for Triangulation<4, 5> {
         if value.abs() > Bounds::new(size).solid {
             return value;
         }
-        let dyadic = Dyadic::of(simplex);
-        // 24 products of four differences below 2³⁰ stay below 2¹²⁵.
-        if dyadic.bits <= 29 {
-            sign(orientation(dyadic.small()))
-        } else {
-            sign(orientation(dyadic.large()))
-        }
+        exact_orientation(simplex)
     }
 
     #[cold]
@@ -41,13 +35,7 @@ impl Dimension<4, 5> for Triangulation<4, 5> {
         if value.abs() > Bounds::new(size).sphere {
             return value;
         }
-        let dyadic = Dyadic::of([a, b, c, d, e, p]);
-        // 480 products of six differences below 2¹⁹ stay below 2¹²³.
-        if dyadic.bits <= 18 {
-            sign(in_sphere(dyadic.small()))
-        } else {
-            sign(in_sphere(dyadic.large()))
-        }
+        exact_in_sphere([a, b, c, d, e, p])
     }
 
     fn independent(corners: &[&[f64; 4]], p: &[f64; 4]) -> bool {
@@ -116,6 +104,27 @@ impl<const K: usize> Dyadic<K> {
 fn sign<T: Default + PartialOrd>(value: T) -> f64 {
     let zero = T::default();
     f64::from(i8::from(value > zero) - i8::from(value < zero))
+}
+
+fn exact_orientation(simplex: [&[f64; 4]; 5]) -> f64 {
+    let dyadic = Dyadic::of(simplex);
+    // 24 products of four differences, at most 2³⁰, stay below 2¹²⁵.
+    if dyadic.bits <= 29 {
+        sign(orientation(dyadic.small()))
+    } else {
+        sign(orientation(dyadic.large()))
+    }
+}
+
+/// Of a simplex and a point.
+pub(super) fn exact_in_sphere(points: [&[f64; 4]; 6]) -> f64 {
+    let dyadic = Dyadic::of(points);
+    // 480 products of six differences, at most 2¹⁹, stay below 2¹²³.
+    if dyadic.bits <= 18 {
+        sign(in_sphere(dyadic.small()))
+    } else {
+        sign(in_sphere(dyadic.large()))
+    }
 }
 
 fn orientation<T>([q, rows @ ..]: [[T; 4]; 5]) -> T
@@ -219,4 +228,107 @@ fn rank<const K: usize>(mut rows: [[BigInt; 4]; K]) -> usize {
         rank += 1;
     }
     rank
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::delaunay::{MAGNITUDES, power_of_two};
+    use proptest::prelude::*;
+
+    const CORNER: [[f64; 4]; 5] = [
+        [0.0; 4],
+        [1.0, 0.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0, 0.0],
+        [0.0, 0.0, 1.0, 0.0],
+        [0.0, 0.0, 0.0, 1.0],
+    ];
+
+    fn signs(points: &[[f64; 4]; 6]) -> [f64; 2] {
+        let [simplex @ .., _] = points.each_ref();
+        [exact_orientation(simplex), exact_in_sphere(points.each_ref())]
+    }
+
+    #[test]
+    fn the_corner_of_the_axes_is_positive_and_holds_its_centre() {
+        let [a, b, c, d, e] = CORNER;
+        let sign = |size: f64| signs(&[a, b, c, d, e, [size; 4]]);
+        assert_eq!(sign(0.5), [1.0, 1.0]);
+        assert_eq!(sign(1.0_f64.next_down()), [1.0, 1.0]);
+        assert_eq!(sign(1.0), [1.0, 0.0]);
+        assert_eq!(sign(1.0_f64.next_up()), [1.0, -1.0]);
+        assert_eq!(signs(&[b, a, c, d, e, [0.5; 4]]), [-1.0, -1.0]);
+    }
+
+    #[test]
+    fn what_depends_on_fewer_is_found() {
+        let independent = |points: &[[f64; 4]]| {
+            let [corners @ .., p] = points else { unreachable!() };
+            let corners: Vec<&[f64; 4]> = corners.iter().collect();
+            <Triangulation<4, 5> as Dimension<4, 5>>::independent(&corners, p)
+        };
+        for count in 2..=5 {
+            assert!(independent(&CORNER[..count]), "{count}");
+            // The first is the origin, so the sum of the others lies in what they span.
+            let mut dependent = CORNER;
+            for axis in 0..4 {
+                dependent[count - 1][axis] = CORNER[..count - 1].iter().map(|p| p[axis]).sum();
+            }
+            assert!(!independent(&dependent[..count]), "{count}");
+            dependent[count - 1][3] = MAGNITUDES[0];
+            assert!(independent(&dependent[..count]));
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn small_and_large_whole_numbers_agree(
+            points in prop::array::uniform6(prop::array::uniform4(-(1_i32 << 18)..=1 << 18)),
+            corner in any::<bool>(),
+        ) {
+            let mut points = points.map(|p| p.map(f64::from));
+            if corner {
+                // Often on the sphere.
+                points = points.map(|p| p.map(|c| c.signum() * 2.0_f64.powi(18)));
+            }
+            let dyadic = Dyadic::of(points.each_ref());
+            prop_assert_eq!(
+                sign(in_sphere(dyadic.small())),
+                sign(in_sphere(dyadic.large())),
+            );
+        }
+
+        /// Signs must not change under powers of two; the points nearly share a sphere or a
+        /// hyperplane and use all 53 bits.
+        #[test]
+        fn signs_are_exact_at_both_ends_of_the_range_in_four_dimensions(
+            turns in prop::array::uniform6(prop::array::uniform3(0.0..6.3_f64)),
+            shift in prop::array::uniform4(2.5..3.0_f64),
+            flat in any::<bool>(),
+            nudge in -2_i64..=2,
+        ) {
+            let mut points = turns.map(|[u, v, w]| {
+                let w = if flat { 0.7 } else { w };
+                let ring = w.cos();
+                [
+                    shift[0] + ring * u.cos() * v.cos(),
+                    shift[1] + ring * u.sin() * v.cos(),
+                    shift[2] + ring * v.sin(),
+                    shift[3] + w.sin(),
+                ]
+            });
+            points[4][0] = f64::from_bits((points[4][0].to_bits() as i64 + nudge) as u64);
+            for exponent in [-160, 158] {
+                let scaled = points.map(|p| p.map(|c| c * power_of_two(exponent)));
+                prop_assert_eq!(signs(&points), signs(&scaled));
+                let [simplex @ .., p] = scaled.each_ref();
+                type Four = Triangulation<4, 5>;
+                let rounded = [
+                    <Four as Dimension<4, 5>>::orientation(simplex),
+                    <Four as Dimension<4, 5>>::in_sphere(simplex, p),
+                ];
+                prop_assert_eq!(signs(&scaled), rounded.map(sign));
+            }
+        }
+    }
 }

@@ -67,7 +67,9 @@ impl<const N: usize> Numbering<'_, N> {
     pub(super) fn add<const D: usize>(&mut self, cell: u32, corners: [u32; D]) -> Facet<D, N> {
         let mut numbered = corners;
         if D == 3 {
-            numbered = corners.map(|v| self.number(v));
+            for i in 0..D {
+                numbered[i] = self.number(corners[i]);
+            }
             for i in 0..D {
                 let edge = place(numbered[(i + 1) % D], numbered[(i + 2) % D]);
                 self.table[edge] = Side::new(cell, i + 1);
@@ -107,6 +109,7 @@ impl<const D: usize, const N: usize> Links<D, N> {
         }
     }
 
+    #[inline(never)]
     fn join_by_hash(&mut self, round: u32, made: &[Facet<D, N>], cells: &mut [Cell<N>]) {
         // Half full when the last ridge has come.
         let bits = (made.len() * D).next_power_of_two().ilog2().max(1);

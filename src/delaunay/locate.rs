@@ -56,7 +56,11 @@ where
     fn sees(&self, cell: u32, facet: usize, point: u32) -> bool {
         let mut corners = self.cells[cell as usize].vertices;
         corners[facet] = point;
-        let value = Self::determinant(corners.map(|v| &self.lifted[v as usize]));
+        let mut lifted = [&self.lifted[corners[0] as usize]; N];
+        for i in 1..N {
+            lifted[i] = &self.lifted[corners[i] as usize];
+        }
+        let value = Self::determinant(lifted);
         if value.abs() > self.bounds.solid {
             return value < 0.0;
         }

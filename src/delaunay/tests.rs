@@ -100,7 +100,7 @@ fn check_4d(points: &[[f64; 4]]) -> Delaunay<5> {
 }
 
 fn scattered_4d(count: usize) -> Vec<[f64; 4]> {
-    let fraction = |i: usize, prime: f64| (i as f64 * prime.sqrt()).fract();
+    let fraction = |i: usize, prime: f64| ((i * i) as f64 * prime.sqrt()).fract();
     (1..=count).map(|i| [2.0, 3.0, 5.0, 7.0].map(|prime| fraction(i, prime))).collect()
 }
 
@@ -132,7 +132,9 @@ proptest! {
         if nudged {
             points[4] *= 1.0 + 2.0_f64.powi(nudge);
         }
-        check_filter(points.map(|p| [p.x, p.y, p.z]));
+        check_filter(points.map(|p| [p.x, p.y, p.z]), |[a, b, c, d, p]| {
+            Triangulation::in_sphere([a, b, c, d], p)
+        });
     }
 
     #[test]
@@ -152,14 +154,42 @@ proptest! {
         if nudged {
             points[5] = points[5].map(|c| c * (1.0 + 2.0_f64.powi(nudge)));
         }
-        check_filter(points);
+        check_filter(points, four::exact_in_sphere);
+    }
+
+    #[test]
+    fn any_doubles_in_four_dimensions(
+        points in prop::collection::vec(prop::array::uniform4(-1.0..1.0_f64), 5..24),
+        scale in -140_i32..150, nearly_flat in any::<bool>(),
+    ) {
+        let scale = 1.1 * 2.0_f64.powi(scale);
+        let place = |[x, y, z, v]: [f64; 4]| {
+            [x, y, z, x + y + z + if nearly_flat { 0.0 } else { v }].map(|c| c * scale)
+        };
+        let points: Vec<[f64; 4]> = points.into_iter().map(place).collect();
+        if delaunay_4d(&points).is_err_and(|error| matches!(error, DelaunayError::Flat { .. })) {
+            prop_assume!(!nearly_flat);
+        }
+        let found = check_4d(&points);
+        let mut used = vec![false; points.len()];
+        for simplex in found.simplices() {
+            let [a, b, c, d, e] = simplex.map(|v| &points[v as usize]);
+            prop_assert!(Triangulation::orientation([a, b, c, d, e]) > 0.0);
+            for p in &points {
+                prop_assert!(four::exact_in_sphere([a, b, c, d, e, p]) <= 0.0);
+            }
+            simplex.iter().for_each(|&v| used[v as usize] = true);
+        }
+        prop_assert!(used.into_iter().all(|used| used));
     }
 }
 
 /// The last of the points against the sphere of the others, and their orientation.
 #[track_caller]
-fn check_filter<const D: usize, const N: usize, const K: usize>(mut points: [[f64; D]; K])
-where
+fn check_filter<const D: usize, const N: usize, const K: usize>(
+    mut points: [[f64; D]; K],
+    in_sphere: impl Fn([&[f64; D]; K]) -> f64,
+) where
     Triangulation<D, N>: Dimension<D, N>,
 {
     let corners = |points: &[[f64; D]; K]| Triangulation::orientation(from_fn(|i| &points[i]));
@@ -179,7 +209,7 @@ where
     }
     let rounded = Plane::through::<D>(lifted).value(&made.lifted[N]);
     if rounded.abs() > made.bounds.sphere {
-        let exact = Triangulation::in_sphere(from_fn(|i| &points[i]), &points[N]);
+        let exact = in_sphere(points.each_ref());
         assert_eq!(rounded > 0.0, exact > 0.0);
     }
 }

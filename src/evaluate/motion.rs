@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
 use crate::motion::{
-    Dimensions, FollowSettings, MotionError, MotionModel, MotionSettings, Neighbourhood, Rows,
+    Dimensions, FollowSettings, MotionError, MotionModel, MotionSettings, Neighbourhood, Pca, Rows,
     Stop, error_a, error_f,
 };
 use crate::statistics::median;
@@ -36,7 +36,7 @@ pub struct MotionProtocol {
 }
 
 /// One path through one neighbourhood's field, beside the true one.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct PathErrors {
     /// Error A, in the poses' unit.
     pub a: f64,
@@ -48,6 +48,8 @@ pub struct PathErrors {
     pub outside: usize,
     /// Whether the field stood still before the end.
     pub stood_still: bool,
+    /// The latent points it passed.
+    pub points: Rows,
 }
 
 /// A sequence that was left out, and the paths from its start.
@@ -57,6 +59,8 @@ pub struct LeftOut {
     pub name: String,
     /// Its length in frames.
     pub frames: usize,
+    /// Its own latent points.
+    pub truth: Rows,
     /// A path per neighbourhood, in the columns' order.
     pub paths: Vec<PathErrors>,
 }
@@ -68,8 +72,8 @@ pub struct MotionFold {
     pub dimensions: usize,
     /// The share of the variance they explain.
     pub explained: f64,
-    /// Poses learned from.
-    pub poses: usize,
+    /// Poses learned from: their latent points.
+    pub points: Rows,
     /// Edges of the motion graph, per neighbourhood.
     pub edges: Vec<usize>,
     /// Strongly connected components of the motion graph, per neighbourhood.
@@ -151,41 +155,45 @@ fn one_fold(
     });
     let models: Vec<MotionModel> = models.collect::<Result<_, _>>()?;
     let graphs: Vec<_> = models.iter().map(MotionModel::graph).collect();
+    // They differ in their neighbourhoods only.
+    let first = models.first().ok_or(MotionError::NoPoses)?;
+    let pca = first.pca();
     let paths = |sequence: &&NamedSequence| -> Result<LeftOut, MotionError> {
-        let errors = models.iter().map(|model| path_errors(model, &sequence.poses));
-        let paths = errors.collect::<Result<_, _>>()?;
-        Ok(LeftOut { name: sequence.name.clone(), frames: sequence.poses.len(), paths })
+        let truth = project(pca, &sequence.poses)?;
+        let paths = models.iter().map(|model| path_errors(model, &truth)).collect();
+        Ok(LeftOut { name: sequence.name.clone(), frames: truth.len(), truth, paths })
     };
-    let pca = models.first().ok_or(MotionError::NoPoses)?.pca();
     Ok(MotionFold {
         dimensions: pca.dimensions(),
         explained: pca.explained()[..pca.dimensions()].iter().sum(),
-        poses: graphs[0].len(),
+        points: first.points().clone(),
         edges: graphs.iter().map(|graph| graph.edge_count()).collect(),
         components: graphs.iter().map(|graph| graph.components().len()).collect(),
         left_out: left_out.iter().map(paths).collect::<Result<_, _>>()?,
     })
 }
 
-/// The path from a sequence's first pose, as long as the sequence.
-fn path_errors(model: &MotionModel, poses: &Rows) -> Result<PathErrors, MotionError> {
-    if poses.width() != model.pca().channels() {
-        let (expected, got) = (model.pca().channels(), poses.width());
+/// A sequence that was left out, in the latent space.
+fn project(pca: &Pca, poses: &Rows) -> Result<Rows, MotionError> {
+    if poses.width() != pca.channels() {
+        let (expected, got) = (pca.channels(), poses.width());
         return Err(MotionError::Channels { sequence: 0, expected, got });
     }
-    if poses.is_empty() {
-        return Err(MotionError::NoPoses);
-    }
-    let truth = model.pca().project(poses);
-    let settings = FollowSettings { steps: poses.len() - 1, still: 0.0, goal: None };
+    if poses.is_empty() { Err(MotionError::NoPoses) } else { Ok(pca.project(poses)) }
+}
+
+/// The path from a sequence's first point, as long as the sequence.
+fn path_errors(model: &MotionModel, truth: &Rows) -> PathErrors {
+    let settings = FollowSettings { steps: truth.len() - 1, still: 0.0, goal: None };
     let path = model.follow(truth.row(0), &settings);
-    Ok(PathErrors {
-        a: error_a(&path.points, &truth),
-        f: error_f(&path.points, &truth),
+    PathErrors {
+        a: error_a(&path.points, truth),
+        f: error_f(&path.points, truth),
         steps: path.points.len() - 1,
         outside: path.outside,
         stood_still: path.stop == Stop::Still,
-    })
+        points: path.points,
+    }
 }
 
 impl MotionEvaluation {
@@ -233,7 +241,7 @@ impl MotionEvaluation {
         json!({
             "dims": fold.dimensions,
             "explained": fold.explained,
-            "poses": fold.poses,
+            "poses": fold.points.len(),
             "edges": self.each(&fold.edges),
             "components": self.each(&fold.components),
             "sequences": sequences.collect::<Vec<_>>(),

@@ -10,7 +10,7 @@ use super::examples::Examples;
 use super::regression::Regression;
 use super::{ForecastError, ForecastSettings};
 use crate::motion::{
-    Around, Complex, Dimensions, MotionError, Nearest, Neighbourhood, Neighbours, Pca, Rows,
+    Around, Complex, Dimensions, MotionError, Neighbourhood, Neighbours, Pca, Rows, nearest_of_all,
 };
 
 /// The most moments whose spread latent directions are taken from: more change them little.
@@ -158,18 +158,16 @@ fn latent(rows: &Rows, dimensions: usize) -> Result<(Pca, Rows), ForecastError> 
 /// their motions reach. Where none reaches a horizon, the displacement over the one before stays.
 fn averaged(examples: &Examples, points: &Rows, settings: &ForecastSettings) -> Vec<f64> {
     let (horizons, joints) = (settings.horizons.len(), examples.joints);
-    let nearest = Nearest::new(points);
+    let nearest = nearest_of_all(points, settings.averaged);
+    let near = nearest.chunks_exact(settings.averaged.min(points.len()));
     let mut averaged = vec![0.0; examples.len() * horizons * joints];
-    let rows = averaged.par_chunks_exact_mut(horizons * joints).enumerate();
-    let room = || Vec::with_capacity(settings.averaged);
-    rows.for_each_init(room, |near, (point, means)| {
-        nearest.nearest(points.row(point), settings.averaged, near);
+    for (near, means) in near.zip(averaged.chunks_exact_mut(horizons * joints)) {
         for horizon in 0..horizons {
             let (before, mean) = means.split_at_mut(horizon * joints);
             let mean = &mut mean[..joints];
             let mut count = 0.0;
-            for near in &*near {
-                let moment = near.point as usize;
+            for &moment in near {
+                let moment = moment as usize;
                 if examples.reach[moment] as usize > horizon {
                     let of = examples.displacement_of(moment, horizon, horizons);
                     mean.iter_mut().zip(of).for_each(|(m, d)| *m += d);
@@ -182,7 +180,7 @@ fn averaged(examples: &Examples, points: &Rows, settings: &ForecastSettings) -> 
                 mean.copy_from_slice(before);
             }
         }
-    });
+    }
     averaged
 }
 

@@ -320,16 +320,19 @@ fn triangles(points: &Rows) -> Result<Triangles, DelaunayError> {
     if triangles.is_empty() { Err(flat) } else { Ok((triangles, duplicates)) }
 }
 
-/// Across the facet opposite each corner, simplex after simplex.
+/// Across the facet opposite each corner, simplex after simplex: facets of two simplices are found
+/// by their corners.
 fn neighbours<const N: usize>(simplices: &[[u32; N]]) -> Vec<u32> {
-    let mut facets: Vec<([u32; N], u32)> = Vec::with_capacity(N * simplices.len());
+    // At most four corners of 32 bits each.
+    let mut facets: Vec<(u128, u32)> = Vec::with_capacity(N * simplices.len());
     for (simplex, corners) in simplices.iter().enumerate() {
         for opposite in 0..N {
-            // The facet's corners in order, a number that no point has for the one left out.
             let mut facet = *corners;
-            facet[opposite] = u32::MAX;
+            facet.swap(opposite, N - 1);
+            let facet = &mut facet[..N - 1];
             facet.sort_unstable();
-            facets.push((facet, (N * simplex + opposite) as u32));
+            let key = facet.iter().fold(0, |key, corner| key << 32 | u128::from(*corner));
+            facets.push((key, (N * simplex + opposite) as u32));
         }
     }
     facets.sort_unstable();

@@ -26,7 +26,7 @@ pub use error::MotionError;
 pub use field::{FollowSettings, Path, Stop};
 pub use graph::MotionGraph;
 pub use model::{MotionModel, MotionSettings};
-pub use nearest::{Near, Nearest};
+pub use nearest::{Near, Nearest, nearest_of_all};
 pub use neighbourhood::{Around, Neighbour, Neighbourhood, Neighbours};
 pub use paths::{ShortestPaths, Transition};
 pub use pca::{Dimensions, Pca};

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::complex::Complex;
 use super::field::{self, FollowSettings, Path};
-use super::nearest::Nearest;
+use super::nearest::nearest_of_all;
 use super::neighbourhood::{Around, Neighbourhood, Neighbours};
 use super::{Dimensions, MotionError, MotionGraph, Pca, Rows};
 
@@ -32,7 +32,7 @@ impl Default for MotionSettings {
 /// use handover_mesh::motion::{FollowSettings, MotionModel, MotionSettings, Rows};
 /// // Two rounds on a slightly tilted circle.
 /// let circle = |radius: f64| {
-///     let turns = (0..60).map(|k| f64::from(k) / 5.0);
+///     let turns = (0..240).map(|k| f64::from(k) / 20.0);
 ///     Rows::new(3, turns.flat_map(|t| [radius * t.cos(), radius * t.sin(), 0.1 * t.cos()]).collect())
 /// };
 /// let model = MotionModel::fit(&[circle(1.0)?, circle(1.1)?], MotionSettings::default())?;
@@ -55,9 +55,16 @@ impl MotionModel {
     /// Learns from sequences of poses; an empty sequence says nothing.
     ///
     /// # Errors
-    /// [`MotionError`]: no poses, sequences of different channels, or poses that span too few
-    /// dimensions.
+    /// [`MotionError`]: no poses, sequences of different channels, poses that span too few
+    /// dimensions, or simplices asked for in more than there are any.
     pub fn fit(sequences: &[Rows], settings: MotionSettings) -> Result<Self, MotionError> {
+        if let Dimensions::Count(dimensions) = settings.dimensions
+            && settings.neighbourhood.has_simplices()
+            && !Complex::DIMENSIONS.contains(&dimensions)
+        {
+            // Whoever asks for so many need not wait for it, nor be told first of another reason.
+            return Err(MotionError::Dimensions { dimensions });
+        }
         let channels = sequences.first().ok_or(MotionError::NoPoses)?.width();
         let mut values = Vec::new();
         let mut ranges = Vec::with_capacity(sequences.len());
@@ -150,13 +157,12 @@ impl MotionModel {
         let points = self.points();
         let mut pairs: Vec<[u32; 2]> = Vec::new();
         if self.neighbourhood() != Neighbourhood::Delaunay {
-            let (nearest, k) = (Nearest::new(points), self.neighbours.k());
-            let mut near = Vec::with_capacity(k + 1);
-            for (pose, point) in (0..).zip(points.iter()) {
-                // The pose itself is one of them.
-                nearest.nearest(point, k + 1, &mut near);
-                let others = near.iter().filter(|near| near.point != pose).take(k);
-                pairs.extend(others.map(|near| [pose, near.point]));
+            // The pose itself is one of them.
+            let k = self.neighbours.k();
+            let rows = nearest_of_all(points, k + 1);
+            for (pose, row) in (0..).zip(rows.chunks_exact((k + 1).min(points.len()))) {
+                let others = row.iter().filter(|other| **other != pose).take(k);
+                pairs.extend(others.map(|other| [pose, *other]));
             }
         }
         if let Some(complex) = self.complex() {

@@ -1,11 +1,9 @@
 //! Which poses lead from one pose to another: shortest paths between all pairs.
 //!
-//! From every pose the others are reached nearest first (Dijkstra 1959). `petgraph`'s own forms
-//! give distances without paths, or keep them in hash maps that for 1,700 poses take seconds to
-//! fill.
-
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+//! From every pose the others are reached about nearest first: by shells as wide as half a usual
+//! step, within which a way may be mended (Meyer & Sanders 2003, "Δ-stepping"); that is several
+//! times as fast as a heap, which would sort them wholly. `petgraph`'s own forms give distances
+//! without paths, or keep them in hash maps that for 1,700 poses take seconds to fill.
 
 use rayon::prelude::*;
 
@@ -41,7 +39,7 @@ impl ShortestPaths {
     /// # Errors
     /// [`MotionError::TooManyPaths`].
     /// # Cost
-    /// `O(n · edges · log n)` time, 12 bytes a pair.
+    /// About `O(n · edges)` time, 12 bytes a pair.
     pub fn of(graph: &MotionGraph) -> Result<Self, MotionError> {
         let count = graph.len();
         if count > Self::MOST {
@@ -49,10 +47,12 @@ impl ShortestPaths {
         }
         let mut before = vec![NONE; count * count];
         let mut lengths = vec![f64::INFINITY; count * count];
+        let steps = Steps::of(graph);
         let rows = before.par_chunks_mut(count).zip(lengths.par_chunks_mut(count)).enumerate();
-        rows.for_each_init(BinaryHeap::new, |queue, (from, (before, lengths))| {
-            search(graph, from, before, lengths, queue);
-        });
+        rows.for_each_init(
+            || vec![Vec::new(); steps.shells],
+            |shells, (from, (before, lengths))| steps.search(from, before, lengths, shells),
+        );
         Ok(Self { count, before, lengths })
     }
 
@@ -82,40 +82,76 @@ impl ShortestPaths {
     }
 }
 
-/// A length as it stands in a queue: never NaN.
-#[derive(PartialEq, PartialOrd)]
-struct Length(f64);
-
-impl Eq for Length {}
-
-#[expect(clippy::derive_ord_xor_partial_ord, reason = "the same order, told for all numbers")]
-impl Ord for Length {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.0.total_cmp(&other.0)
-    }
+/// The graph's edges, laid out for searches.
+struct Steps {
+    /// Pose after pose: where each edge leads, and its length.
+    edges: Vec<(u32, f64)>,
+    /// Each pose's first edge, and the end.
+    starts: Vec<usize>,
+    /// How many shells a step crosses, per length.
+    per_length: f64,
+    /// Shells that are open together, from the nearest to the end of the longest step from there.
+    shells: usize,
 }
 
-/// From one pose to all others.
-fn search(
-    graph: &MotionGraph,
-    from: usize,
-    before: &mut [u32],
-    lengths: &mut [f64],
-    queue: &mut BinaryHeap<Reverse<(Length, u32)>>,
-) {
-    queue.clear();
-    lengths[from] = 0.0;
-    queue.push(Reverse((Length(0.0), from as u32)));
-    while let Some(Reverse((Length(length), pose))) = queue.pop() {
-        if length > lengths[pose as usize] {
-            continue;
+/// A shell is at least as wide as the longest edge divided by this.
+const MOST_SHELLS: f64 = 1024.0;
+
+impl Steps {
+    fn of(graph: &MotionGraph) -> Self {
+        let (mut edges, mut starts) = (Vec::with_capacity(graph.edge_count()), vec![0]);
+        for pose in 0..graph.len() {
+            edges.extend(graph.next(pose).map(|(next, length)| (next as u32, length)));
+            starts.push(edges.len());
         }
-        for (next, step) in graph.next(pose as usize) {
-            if length + step < lengths[next] {
-                lengths[next] = length + step;
-                before[next] = pose;
-                queue.push(Reverse((Length(length + step), next as u32)));
+        let longest = edges.iter().fold(0.0, |most: f64, (_, length)| most.max(*length));
+        let mean = edges.iter().map(|(_, length)| length).sum::<f64>() / edges.len() as f64;
+        let per_length = (0.5 * mean).max(longest / MOST_SHELLS).recip();
+        // One shell holds all where steps have no length to speak of.
+        let per_length = if per_length.is_finite() { per_length } else { 0.0 };
+        // The one a step starts in, the part of the next it ends in, and one for rounding.
+        let shells = (longest * per_length) as usize + 3;
+        Self { edges, starts, per_length, shells }
+    }
+
+    /// From one pose to all others.
+    ///
+    /// - `shells`: empty, and left so; a shell is used again once its poses are done.
+    fn search(
+        &self,
+        from: usize,
+        before: &mut [u32],
+        lengths: &mut [f64],
+        shells: &mut [Vec<u32>],
+    ) {
+        let shell_of = |length: f64| (length * self.per_length) as usize;
+        lengths[from] = 0.0;
+        shells[0].push(from as u32);
+        let (mut shell, mut waiting) = (0, 1);
+        while waiting > 0 {
+            let mut at = 0;
+            // First come, first served: poses may come in again while the shell is open.
+            while let Some(&pose) = shells[shell % self.shells].get(at) {
+                at += 1;
+                let length = lengths[pose as usize];
+                // It has been reached by a shorter way, and is done.
+                if shell_of(length) < shell {
+                    continue;
+                }
+                let edges = self.starts[pose as usize]..self.starts[pose as usize + 1];
+                for &(next, step) in &self.edges[edges] {
+                    let there = length + step;
+                    if there < lengths[next as usize] {
+                        lengths[next as usize] = there;
+                        before[next as usize] = pose;
+                        shells[shell_of(there) % self.shells].push(next);
+                        waiting += 1;
+                    }
+                }
             }
+            waiting -= at;
+            shells[shell % self.shells].clear();
+            shell += 1;
         }
     }
 }

@@ -33,7 +33,7 @@ impl Rows {
         if width == 0 || !values.len().is_multiple_of(width) {
             return Err(MotionError::Ragged { width, values: values.len() });
         }
-        let out_of_range = |value: &f64| !(value.abs() <= LARGEST);
+        let out_of_range = |value: &f64| value.is_nan() || value.abs() > LARGEST;
         if let Some(at) = values.iter().position(out_of_range) {
             let (row, column) = (at / width, at % width);
             return Err(MotionError::OutOfRange { row, column, value: values[at] });

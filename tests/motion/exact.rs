@@ -39,7 +39,7 @@ pub(crate) fn in_sphere(corners: &[&Cell], place: &Cell) -> i128 {
         row.push(row.iter().map(|x| x * x).sum());
         row
     });
-    let even = if place.len() % 2 == 0 { 1 } else { -1 };
+    let even = if place.len().is_multiple_of(2) { 1 } else { -1 };
     even * determinant(lifted.collect()).signum() * volume(corners).signum()
 }
 

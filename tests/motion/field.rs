@@ -124,7 +124,7 @@ fn a_path_out_of_the_hull_goes_on_by_the_nearest_and_says_so() {
     let line = |k: i32| [f64::from(k), 0.3 * f64::from(k % 3)];
     let line = Rows::new(2, (0..30).flat_map(line).collect()).unwrap();
     for neighbourhood in Neighbourhood::ALL {
-        let model = model(&[line.clone()], neighbourhood, 3);
+        let model = model(std::slice::from_ref(&line), neighbourhood, 3);
         let path = follow(&model, &[25.0, 0.3], &FollowSettings { steps: 80, ..STEPS });
         let last = model.pca().reproject(&path.points);
         assert!(last.row(path.points.len() - 1)[0] > 31.0, "{}", neighbourhood.name());

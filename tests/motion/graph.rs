@@ -170,7 +170,7 @@ fn connected_and_unconnected_graphs_both_occur() {
     let circle = |k: i32| [0.0, 0.7].map(|shift| (f64::from(k) * 0.5 + shift).sin());
     let circle = Rows::new(2, (0..40).flat_map(circle).collect()).unwrap();
     for neighbourhood in Neighbourhood::ALL {
-        let connected = model(&[circle.clone()], neighbourhood, K).graph();
+        let connected = model(std::slice::from_ref(&circle), neighbourhood, K).graph();
         assert_eq!(connected.components().len(), 1, "{}", neighbourhood.name());
         check_components(&connected);
         let line = model(&walks(11, &[2, 2]), neighbourhood, K).graph();
@@ -202,7 +202,7 @@ fn time_goes_on_even_against_the_velocities() {
     let there_and_back = [[0.0, 0.0], [0.1, 0.4], [0.3, 0.2], [-5.0, 0.1], [-6.0, 3.0]];
     let poses = Rows::new(2, there_and_back.concat()).unwrap();
     for neighbourhood in Neighbourhood::ALL {
-        let model = model(&[poses.clone()], neighbourhood, K);
+        let model = model(std::slice::from_ref(&poses), neighbourhood, K);
         let (points, velocities) = (model.points(), model.velocities());
         let along: f64 = (0..2)
             .map(|axis| {

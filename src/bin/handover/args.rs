@@ -269,6 +269,9 @@ pub(crate) struct Motion {
     /// Write the JSON object to a file too (.json)
     #[arg(long, short, value_name = "OUT")]
     pub(crate) out: Option<PathBuf>,
+    /// Draw the first two latent dimensions: poses, true and made-up paths (.svg)
+    #[arg(long, value_name = "OUT")]
+    pub(crate) plot: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) selection: Selection,
 }

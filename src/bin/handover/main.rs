@@ -7,6 +7,7 @@ mod demonstrations;
 mod evaluate;
 mod files;
 mod import;
+mod latent_plot;
 mod learn;
 mod motion;
 mod output;

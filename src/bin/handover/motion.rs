@@ -12,7 +12,7 @@ use crate::args::Motion;
 use crate::output::Output;
 use crate::progress::Progress;
 use crate::sequences::{self, Unit};
-use crate::{Outcome, files};
+use crate::{Outcome, files, latent_plot};
 
 /// The paper's sets, and all of them together.
 const PAPER_SETS: [&str; 5] = ["w1", "w2", "r1", "r2", "all"];
@@ -34,6 +34,7 @@ fn paper(neighbourhood: Neighbourhood) -> Option<[[f64; 5]; 2]> {
 /// Loads, learns and follows, prints.
 pub(crate) fn run(arguments: &Motion, config: &Config, output: &Output) -> anyhow::Result<Outcome> {
     files::check_out(arguments.out.as_deref(), "json", &arguments.sequences)?;
+    files::check_out(arguments.plot.as_deref(), "svg", &arguments.sequences)?;
     let Motion { sequences, role, selection, .. } = arguments;
     let loaded = sequences::load(sequences, role.as_deref(), selection, config, output)?;
     let folds = arguments.folds as usize;
@@ -54,6 +55,10 @@ pub(crate) fn run(arguments: &Motion, config: &Config, output: &Output) -> anyho
     if let Some(out) = &arguments.out {
         files::write_text(&format!("{value}\n"), out)?;
         output.note(&format!("wrote {}", out.display()));
+    }
+    if let Some(plot) = &arguments.plot {
+        files::write_text(&latent_plot::svg(&found, loaded.unit), plot)?;
+        output.note(&format!("wrote {}", plot.display()));
     }
     Ok(if loaded.left_out == 0 { Outcome::Done } else { Outcome::Loss })
 }
@@ -85,7 +90,7 @@ fn each_fold(found: &MotionEvaluation) -> String {
         let _ = writeln!(
             text,
             "learned from {} poses: {} dimensions explain {:.1} % of their variance",
-            fold.poses,
+            fold.points.len(),
             fold.dimensions,
             100.0 * fold.explained
         );
