@@ -4,6 +4,8 @@
 //! need fewer dimensions, so theirs are those along which ridge regression expects motions to
 //! differ: the principal directions of what it predicts (reduced-rank regression, Izenman 1975).
 
+use rayon::prelude::*;
+
 use super::examples::Examples;
 use super::regression::Regression;
 use super::{ForecastError, ForecastSettings};
@@ -24,7 +26,8 @@ pub(super) struct Fields {
     displacements: Vec<f64>,
     expected: Pca,
     delaunay: Neighbours,
-    k_delaunay: Neighbours,
+    /// None where only the mixed methods are asked.
+    k_delaunay: Option<Neighbours>,
     /// The same, averaged over the moments nearest to each: a simplex has too few corners to even
     /// out how much single motions scatter.
     averaged: Vec<f64>,
@@ -41,19 +44,22 @@ pub(super) struct Search {
 }
 
 impl Fields {
+    /// - `all`: whether more than the methods that are mixed will be asked.
+    ///
     /// # Errors
     /// [`ForecastError::Alike`] if the moments span too few dimensions for simplices;
     /// [`ForecastError::Motion`].
     pub(super) fn fit(
         examples: &Examples,
         settings: &ForecastSettings,
+        all: bool,
     ) -> Result<Self, ForecastError> {
         let outputs = settings.horizons.len() * examples.joints;
         let regression = Regression::fit(examples, settings.horizons.len(), settings.ridge_penalty);
         let mut expected = vec![0.0; examples.len() * outputs];
-        for (moment, row) in expected.chunks_exact_mut(outputs).enumerate() {
+        expected.par_chunks_exact_mut(outputs).enumerate().for_each(|(moment, row)| {
             regression.predict(examples.features_of(moment), row);
-        }
+        });
         let seen = Rows::new(examples.width, examples.features.clone())?;
         let (features, points) = latent(&seen, settings.dimensions)?;
         let k = settings.neighbours;
@@ -71,7 +77,9 @@ impl Fields {
             displacements: completed(examples, &averaged, outputs),
             expected,
             delaunay: Neighbours::new(points.clone(), Neighbourhood::Delaunay, k)?,
-            k_delaunay: Neighbours::new(points, Neighbourhood::KDelaunay, k)?,
+            k_delaunay: all
+                .then(|| Neighbours::new(points, Neighbourhood::KDelaunay, k))
+                .transpose()?,
             averaged,
         })
     }
@@ -83,7 +91,7 @@ impl Fields {
             nearest: self.nearest.around(),
             expected: vec![0.0; self.expected.dimensions()],
             delaunay: self.delaunay.around(),
-            k_delaunay: self.k_delaunay.around(),
+            k_delaunay: self.k_delaunay.as_ref().map(Neighbours::around).unwrap_or_default(),
         }
     }
 
@@ -112,7 +120,9 @@ impl Fields {
             }
             Neighbourhood::KDelaunay => {
                 self.expected.project_pose(expected, &mut search.expected);
-                self.k_delaunay.find(&search.expected, &mut search.k_delaunay);
+                if let Some(k_delaunay) = &self.k_delaunay {
+                    k_delaunay.find(&search.expected, &mut search.k_delaunay);
+                }
                 (&search.k_delaunay, &self.averaged)
             }
         };

@@ -1,5 +1,7 @@
 //! The methods, and what they learn once per set of motions.
 
+use rayon::prelude::*;
+
 use super::examples::Examples;
 use super::fields::{Fields, Search};
 use super::mixture::{EXPERTS, Mixture, Sums};
@@ -145,6 +147,9 @@ pub struct Workspace {
 /// Into how many parts recordings are dealt to find out how much each method is to be trusted.
 const PARTS: u32 = 3;
 
+/// Moments whose sums are taken by one thread: a fixed number, so that threads change no rounding.
+const HEARD_TOGETHER: usize = 256;
+
 /// Constant velocity, ridge, nearest, simplex: with a single recording nothing can be held out, and
 /// the demonstrations nearest are taken at their word.
 const UNTRIED: [f64; EXPERTS] = [0.0, 0.0, 1.0, 0.0];
@@ -177,7 +182,7 @@ impl Forecaster {
         }
         let horizons = settings.horizons.len();
         let joints = examples.joints;
-        let fields = Fields::fit(&examples, &settings)?;
+        let fields = Fields::fit(&examples, &settings, true)?;
         let mut forecaster =
             Self { fields, mixture: Sums::new(horizons).solve(UNTRIED), root, joints, settings };
         forecaster.mixture = forecaster.trust(&examples).solve(UNTRIED);
@@ -201,17 +206,24 @@ impl Forecaster {
             let learned = examples.part(|group| part_of(group) != part);
             let held_out = examples.part(|group| part_of(group) == part);
             // What is left may teach nothing, as where one recording alone is long enough.
-            let Ok(fields) = Fields::fit(&learned, &self.settings) else { continue };
-            let mut workspace = self.workspace_of(&fields);
-            for moment in 0..held_out.len() {
-                self.ask(&fields, held_out.features_of(moment), &mut workspace);
-                for horizon in 0..held_out.reach[moment] as usize {
-                    let at = horizon * self.joints;
-                    let said = workspace.said.each_ref().map(|d| &d[at..][..self.joints]);
-                    let truth = held_out.displacement_of(moment, horizon, horizons);
-                    sums.add(horizon, self.root.index(), said, truth);
+            let Ok(fields) = Fields::fit(&learned, &self.settings, false) else { continue };
+            let moments: Vec<usize> = (0..held_out.len()).collect();
+            let heard = moments.par_chunks(HEARD_TOGETHER).map(|moments| {
+                let mut workspace = self.workspace_of(&fields);
+                let mut sums = Sums::new(horizons);
+                for &moment in moments {
+                    self.ask(&fields, held_out.features_of(moment), &mut workspace);
+                    for horizon in 0..held_out.reach[moment] as usize {
+                        let at = horizon * self.joints;
+                        let said = workspace.said.each_ref().map(|d| &d[at..][..self.joints]);
+                        let truth = held_out.displacement_of(moment, horizon, horizons);
+                        sums.add(horizon, self.root.index(), said, truth);
+                    }
                 }
-            }
+                sums
+            });
+            // In order, whoever was first.
+            heard.collect::<Vec<_>>().iter().for_each(|heard| sums.merge(heard));
         }
         sums
     }

@@ -48,6 +48,15 @@ impl Sums {
         }
     }
 
+    /// Adds what was summed apart.
+    pub(super) fn merge(&mut self, other: &Self) {
+        for (own, other) in self.0.as_mut_slice().iter_mut().flatten().zip(other.0.iter().flatten())
+        {
+            own.0 += other.0;
+            own.1 += other.1;
+        }
+    }
+
     /// The weights that would have been best; those of `otherwise` where nothing was added.
     pub(super) fn solve(&self, otherwise: [f64; EXPERTS]) -> Mixture {
         let weights = self.0.iter().map(|parts| {
