@@ -71,6 +71,12 @@ pub enum ForecastEvaluationError {
         /// How many groups there are.
         groups: usize,
     },
+    /// A clip's partner is not like the first one's.
+    #[error("{clip}: its partner has other joints than the first clip's")]
+    Skeleton {
+        /// The clip.
+        clip: String,
+    },
     /// Nothing was learned without a fold.
     #[error("without fold {fold}: {error}")]
     Fold {
@@ -104,6 +110,11 @@ pub fn forecast(
     let count = folds.iter().max().map_or(0, |last| last + 1);
     if count < 2 {
         return Err(ForecastEvaluationError::TooFew { groups: count });
+    }
+    let kind = |clip: &Demonstration| (clip.partner().skeleton().clone(), clip.partner_base());
+    if let Some(other) = clips.iter().find(|clip| kind(clip) != kind(&clips[0])) {
+        let clip = other.recording().name().to_owned();
+        return Err(ForecastEvaluationError::Skeleton { clip });
     }
     let forecasters = (0..count).into_par_iter().map(|fold| {
         let others = clips.iter().zip(groups).zip(&folds).filter(|(_, f)| **f != fold);

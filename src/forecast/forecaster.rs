@@ -63,6 +63,16 @@ impl ForecastMethod {
 /// Why there is no forecaster.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ForecastError {
+    /// Settings that cannot be meant.
+    #[error("{setting} is {value}, must be {bound}")]
+    Setting {
+        /// Which of [`ForecastSettings`].
+        setting: &'static str,
+        /// What it is.
+        value: String,
+        /// What it may be.
+        bound: &'static str,
+    },
     /// Nothing to learn from.
     #[error("no motion long enough to learn from: none lasts {least} s")]
     NoMoments {
@@ -161,12 +171,14 @@ impl Forecaster {
     /// - `root`: the joint a person's place is taken by.
     ///
     /// # Errors
-    /// [`ForecastError`]: skeletons differ, motions are too short, or all poses are alike.
+    /// [`ForecastError`]: settings out of bounds, skeletons that differ, motions too short, or poses
+    /// all alike.
     pub fn fit(
         motions: &[(&Sequence, u32)],
         root: JointId,
         settings: ForecastSettings,
     ) -> Result<Self, ForecastError> {
+        settings.check()?;
         let least = settings.velocity_window + settings.horizons.first().copied().unwrap_or(0.0);
         let (first, _) = motions.first().ok_or(ForecastError::NoMoments { least })?;
         let skeleton = first.skeleton();

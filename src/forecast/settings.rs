@@ -1,5 +1,10 @@
 //! How forecasts are made.
 
+use std::fmt::Debug;
+
+use super::ForecastError;
+use crate::motion::Complex;
+
 /// How forecasts are made; the numbers were chosen on recordings that no table here is about.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForecastSettings {
@@ -43,5 +48,49 @@ impl Default for ForecastSettings {
             joint_damping: 0.1,
             root_damping: 0.3,
         }
+    }
+}
+
+impl ForecastSettings {
+    /// Whether forecasts can be made so.
+    ///
+    /// # Errors
+    /// [`ForecastError::Setting`] names the first setting out of its bounds.
+    pub(super) fn check(&self) -> Result<(), ForecastError> {
+        let wrong = |setting, value: &dyn Debug, bound| {
+            Err(ForecastError::Setting { setting, value: format!("{value:?}"), bound })
+        };
+        let rising = self.horizons.is_sorted_by(|a, b| a < b);
+        // No span of time is longer than a stamp can count.
+        let ahead = self.horizons.iter().all(|horizon| *horizon > 0.0 && *horizon < 1e9);
+        if self.horizons.is_empty() || !rising || !ahead {
+            return wrong("horizons", &self.horizons, "some seconds ahead, rising");
+        }
+        let spans = [
+            ("velocity_window", self.velocity_window),
+            ("velocity_weight", self.velocity_weight),
+            ("ridge_penalty", self.ridge_penalty),
+            ("joint_damping", self.joint_damping),
+            ("root_damping", self.root_damping),
+        ];
+        for (setting, value) in spans {
+            if !(value > 0.0 && value.is_finite()) {
+                return wrong(setting, &value, "a number above 0");
+            }
+        }
+        let counts = [
+            ("dimensions", self.dimensions),
+            ("neighbours", self.neighbours),
+            ("averaged", self.averaged),
+        ];
+        for (setting, value) in counts {
+            if value == 0 {
+                return wrong(setting, &value, "a whole number from 1");
+            }
+        }
+        if !Complex::DIMENSIONS.contains(&self.simplex_dimensions) {
+            return wrong("simplex_dimensions", &self.simplex_dimensions, "2, 3 or 4");
+        }
+        Ok(())
     }
 }

@@ -116,8 +116,8 @@ fn insert(found: &mut Vec<Near>, k: usize, near: Near) {
     found.insert(at, near);
 }
 
-/// The `k` points nearest to each point, itself among them, nearest first; of equally near ones the
-/// first, where they lie in the same place.
+/// The `k` points nearest to each point, itself among them (unless more than `k` lie where it does),
+/// nearest first.
 ///
 /// Returns `k` rows a point, fewer where there are fewer points: `min(k, points)`.
 /// # Cost
@@ -147,7 +147,7 @@ fn by_tree<const D: usize>(points: &Rows, k: NonZero<usize>) -> Option<Vec<u32>>
     let found = places.par_iter().flat_map_iter(|place| {
         let mut near = tree.query(place).nearest_n::<SquaredEuclidean<f64>>(k).execute();
         near.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.item.cmp(&b.item)));
-        near.into_iter().map(|near| near.item as u32)
+        near.into_iter().map(|near| near.item)
     });
     let found: Vec<u32> = found.collect();
     (found.len() == k.get() * places.len()).then_some(found)

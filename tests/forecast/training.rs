@@ -195,3 +195,27 @@ fn repeated_moments_are_no_obstacle() {
     }
     assert_eq!(standing::STANDING.len(), 15);
 }
+
+#[test]
+fn settings_out_of_bounds_are_named() {
+    let motions = [wandering(1, 60), wandering(2, 60)];
+    let named: Vec<_> = motions.iter().zip(0..).collect();
+    let check = |settings: ForecastSettings, part: &str| {
+        let error = Forecaster::fit(&named, root(), settings).unwrap_err().to_string();
+        assert!(error.contains(part), "{error}");
+    };
+    let usual = ForecastSettings::default;
+    check(
+        ForecastSettings { averaged: 0, ..usual() },
+        "averaged is 0, must be a whole number from 1",
+    );
+    check(ForecastSettings { velocity_weight: 0.0, ..usual() }, "velocity_weight is 0.0");
+    check(ForecastSettings { root_damping: f64::NAN, ..usual() }, "root_damping is NaN");
+    check(
+        ForecastSettings { simplex_dimensions: 5, ..usual() },
+        "simplex_dimensions is 5, must be 2",
+    );
+    for horizons in [vec![], vec![0.2, 0.1], vec![0.0, 0.1], vec![0.1, f64::INFINITY]] {
+        check(ForecastSettings { horizons, ..usual() }, "must be some seconds ahead, rising");
+    }
+}

@@ -1,6 +1,6 @@
 //! The nearest points against sorting all of them.
 
-use handover_mesh::motion::{Near, Nearest, Rows};
+use handover_mesh::motion::{Near, Nearest, Rows, nearest_of_all};
 use proptest::prelude::*;
 
 use crate::{numbers, random, scaled};
@@ -66,5 +66,47 @@ fn a_place_that_is_not_finite_has_none() {
         let mut found = vec![Near { squared_distance: 0.0, point: 0 }];
         nearest.nearest(&[0.0, bad], 5, &mut found);
         assert_eq!(found, []);
+    }
+}
+
+/// The neighbours of all points are as near as those of each alone; which of equally near ones is
+/// taken is not said.
+#[track_caller]
+fn check_all(points: &Rows, k: usize) {
+    let found = nearest_of_all(points, k);
+    let k = k.min(points.len());
+    assert_eq!(found.len(), k * points.len());
+    let square = |a: u32, b: u32| -> f64 {
+        let [a, b] = [a, b].map(|row| points.row(row as usize));
+        a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
+    };
+    for (point, row) in (0..).zip(found.chunks_exact(k.max(1))) {
+        let distinct: std::collections::BTreeSet<&u32> = row.iter().collect();
+        assert_eq!(distinct.len(), k, "each once");
+        let squares: Vec<f64> = row.iter().map(|other| square(point, *other)).collect();
+        let slow = slowly(points, points.row(point as usize), k);
+        for (fast, slow) in squares.iter().zip(slow) {
+            let slow = square(point, slow);
+            assert!((fast - slow).abs() <= 1e-12 * slow, "{point}: {fast}, {slow}");
+        }
+    }
+}
+
+#[test]
+fn the_neighbours_of_all_are_those_of_each() {
+    for dimensions in 1..=10 {
+        let row = |at: usize| (0..dimensions).map(move |axis| ((at * (3 + axis)) as f64).sin());
+        let points = Rows::new(dimensions, (0..150).flat_map(row).collect()).unwrap();
+        for k in [0, 1, 16, 150, 151] {
+            check_all(&points, k);
+        }
+        // More points at one place, or on one line, than a leaf of a tree takes.
+        let same = Rows::new(dimensions, vec![0.25; 90 * dimensions]).unwrap();
+        let line = (0..90).flat_map(|at| {
+            (0..dimensions).map(move |axis| f64::from(at) * f64::from(u8::from(axis == 0)))
+        });
+        let line = Rows::new(dimensions, line.collect()).unwrap();
+        check_all(&same, 20);
+        check_all(&line, 20);
     }
 }
