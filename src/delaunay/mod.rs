@@ -89,7 +89,7 @@ pub enum DelaunayError {
         value: f64,
     },
     /// Fewer points than a simplex has corners.
-    #[error("{points} points are too few: 4 are needed in three dimensions, 5 in four")]
+    #[error("{points} points are too few: 3 are needed in two dimensions, 4 in three, 5 in four")]
     TooFew {
         /// How many there are.
         points: usize,

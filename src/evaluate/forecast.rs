@@ -13,7 +13,8 @@ use crate::skeleton::{Part, Sequence};
 use crate::statistics::Summary;
 use crate::time::Span;
 
-/// A forecast is asked for once this much of the partner's motion has been seen `[s]`.
+/// A forecast is asked for once this much of the partner's motion has been seen `[s]`, or as much as
+/// a velocity takes.
 const SEEN: f64 = 0.3;
 
 /// What an evaluation of forecasts may choose.
@@ -78,10 +79,10 @@ pub enum ForecastEvaluationError {
         clip: String,
     },
     /// Nothing was learned without a fold.
-    #[error("without fold {fold}: {error}")]
+    #[error("without {left_out}: {error}")]
     Fold {
-        /// Which fold, counted from 0.
-        fold: usize,
+        /// The clips left out.
+        left_out: String,
         /// Why.
         error: ForecastError,
     },
@@ -120,9 +121,15 @@ pub fn forecast(
         let others = clips.iter().zip(groups).zip(&folds).filter(|(_, f)| **f != fold);
         let fitted = fit(others.map(|(clip, _)| clip), groups, &protocol.settings);
         done();
-        fitted.map_err(|error| ForecastEvaluationError::Fold { fold, error })
+        fitted.map_err(|error| {
+            let own = clips.iter().zip(&folds).filter(|(_, f)| **f == fold);
+            let names: Vec<&str> = own.map(|(clip, _)| clip.recording().name()).collect();
+            ForecastEvaluationError::Fold { left_out: names.join(", "), error }
+        })
     });
-    let forecasters: Vec<Forecaster> = forecasters.collect::<Result<_, _>>()?;
+    // NOTE: collected straight into one result, the error kept would be that of any fold.
+    let forecasters: Vec<Result<Forecaster, _>> = forecasters.collect();
+    let forecasters: Vec<Forecaster> = forecasters.into_iter().collect::<Result<_, _>>()?;
     let clips: Vec<ForecastClip> = (clips.par_iter().zip(&folds))
         .map(|(clip, fold)| {
             let errors = clip_errors(clip, &forecasters[*fold], &protocol.methods);
@@ -159,7 +166,7 @@ fn clip_errors(
     let skeleton = partner.skeleton();
     let hand = skeleton.part(Part::Hand(clip.contact().hands.partner));
     let horizons = forecaster.horizons();
-    let truths = Truths::new(partner, horizons);
+    let truths = Truths::new(partner, forecaster);
     let mut workspace = forecaster.workspace();
     let mut moment = Moment::new(skeleton, clip.partner_base());
     let mut sums = vec![vec![Sum::default(); horizons.len()]; methods.len()];
@@ -172,13 +179,16 @@ fn clip_errors(
                 let said = &joints[horizon * skeleton.len()..][..skeleton.len()];
                 let off = |joint: usize| 100.0 * (said[joint] - truth[joint]).norm();
                 sum.count += 1.0;
-                sum.wrist += hand.map_or(0.0, |hand| off(hand.index()));
+                sum.wrist += hand.map_or(f64::NAN, |hand| off(hand.index()));
                 sum.joint += (0..skeleton.len()).map(off).sum::<f64>() / skeleton.len() as f64;
             }
         }
     }
-    let mean =
-        |value: fn(&Sum) -> f64| move |sum: &Sum| (sum.count > 0.0).then(|| value(sum) / sum.count);
+    let mean = |value: fn(&Sum) -> f64| {
+        move |sum: &Sum| {
+            (sum.count > 0.0).then(|| value(sum) / sum.count).filter(|off| !off.is_nan())
+        }
+    };
     let errors = sums.iter().map(|sums| ForecastErrors {
         wrist: sums.iter().map(mean(|sum| sum.wrist)).collect(),
         joint: sums.iter().map(mean(|sum| sum.joint)).collect(),
@@ -206,11 +216,13 @@ struct Truths<'a> {
 }
 
 impl<'a> Truths<'a> {
-    fn new(motion: &'a Sequence, horizons: &[f64]) -> Self {
+    fn new(motion: &'a Sequence, forecaster: &Forecaster) -> Self {
+        let horizons = forecaster.horizons();
+        let past = forecaster.velocity_window().max(SEEN);
         let stamps: Vec<_> = motion.stamps().collect();
         let (start, last) = (stamps[0], stamps[stamps.len() - 1]);
         // A nanosecond of rounding asks for no more past.
-        let first = stamps.partition_point(|stamp| (*stamp - start).seconds() < SEEN - 1e-6);
+        let first = stamps.partition_point(|stamp| (*stamp - start).seconds() < past - 1e-6);
         let pairs = stamps.iter().flat_map(|stamp| horizons.iter().map(move |h| (*stamp, *h)));
         let joints = pairs.map(|(stamp, horizon)| {
             let then = stamp + Span::from_seconds(horizon)?;

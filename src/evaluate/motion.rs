@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 
 use crate::motion::{
     Dimensions, FollowSettings, MotionError, MotionModel, MotionSettings, Neighbourhood, Pca, Rows,
-    Stop, error_a, error_f,
+    error_a, error_f,
 };
 use crate::statistics::median;
 
@@ -35,6 +35,15 @@ pub struct MotionProtocol {
     pub folds: usize,
 }
 
+impl MotionProtocol {
+    /// Of each column's model.
+    fn settings(&self) -> impl Iterator<Item = MotionSettings> + '_ {
+        let Self { dimensions, k, .. } = *self;
+        let of = move |&neighbourhood| MotionSettings { dimensions, neighbourhood, k };
+        self.neighbourhoods.iter().map(of)
+    }
+}
+
 /// One path through one neighbourhood's field, beside the true one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathErrors {
@@ -46,8 +55,9 @@ pub struct PathErrors {
     pub steps: usize,
     /// Of these outside the hull.
     pub outside: usize,
-    /// Whether the field stood still before the end.
-    pub stood_still: bool,
+    /// After how many of them it goes nowhere any more: no later step is as long as a thousandth of
+    /// the usual one in what was learned from.
+    pub moving: usize,
     /// The latent points it passed.
     pub points: Rows,
 }
@@ -100,6 +110,9 @@ pub enum MotionEvaluationError {
         /// How many there are.
         sequences: usize,
     },
+    /// No such model at all.
+    #[error(transparent)]
+    Settings(MotionError),
     /// No model without a fold.
     #[error("without {left_out}: {error}")]
     Fold {
@@ -125,6 +138,9 @@ pub fn cross_validate(
     if sequences.len() < 2 {
         return Err(MotionEvaluationError::TooFew { sequences: sequences.len() });
     }
+    for settings in protocol.settings() {
+        settings.check().map_err(MotionEvaluationError::Settings)?;
+    }
     let count = protocol.folds.clamp(2, sequences.len());
     let folds = (0..count).into_par_iter().map(|fold| {
         let (left_out, others): (Vec<_>, Vec<_>) =
@@ -149,10 +165,7 @@ fn one_fold(
     others: &[Rows],
     protocol: &MotionProtocol,
 ) -> Result<MotionFold, MotionError> {
-    let models = protocol.neighbourhoods.iter().map(|&neighbourhood| {
-        let MotionProtocol { dimensions, k, .. } = *protocol;
-        MotionModel::fit(others, MotionSettings { dimensions, neighbourhood, k })
-    });
+    let models = protocol.settings().map(|settings| MotionModel::fit(others, settings));
     let models: Vec<MotionModel> = models.collect::<Result<_, _>>()?;
     let graphs: Vec<_> = models.iter().map(MotionModel::graph).collect();
     // They differ in their neighbourhoods only.
@@ -191,9 +204,24 @@ fn path_errors(model: &MotionModel, truth: &Rows) -> PathErrors {
         f: error_f(&path.points, truth),
         steps: path.points.len() - 1,
         outside: path.outside,
-        stood_still: path.stop == Stop::Still,
+        moving: moving(&path.points, usual_step(model)),
         points: path.points,
     }
+}
+
+/// The median step of the poses that a model was learned from, as long as the field takes it.
+fn usual_step(model: &MotionModel) -> f64 {
+    let length = |velocity: &[f64]| velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
+    median(model.velocities().iter().map(length).collect()).unwrap_or(0.0)
+}
+
+/// Steps until none is as long as a thousandth of the usual one.
+fn moving(points: &Rows, usual: f64) -> usize {
+    let step = |at: usize| -> f64 {
+        let (from, to) = (points.row(at - 1), points.row(at));
+        from.iter().zip(to).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+    };
+    (1..points.len()).rev().find(|at| step(*at) > 1e-3 * usual).unwrap_or(0)
 }
 
 impl MotionEvaluation {
@@ -209,7 +237,7 @@ impl MotionEvaluation {
     }
 
     /// `{"dims","folds":[{"dims","explained","poses","edges":{N},"components":{N},"sequences":[
-    /// {"name","frames","error_a":{N},"error_f":{N},"steps":{N},"outside":{N}}]}],"error_a":{N},
+    /// {"name","frames","error_a":{N},"error_f":{N},"steps":{N},"moving":{N},"outside":{N}}]}],"error_a":{N},
     /// "error_f":{N}}` with a number per neighbourhood `N`; the last two are medians over all
     /// sequences, `dims` is null where folds differ.
     pub fn to_json(&self) -> Value {
@@ -235,6 +263,7 @@ impl MotionEvaluation {
                 "error_a": each(|errors| json!(errors.a)),
                 "error_f": each(|errors| json!(errors.f)),
                 "steps": each(|errors| json!(errors.steps)),
+                "moving": each(|errors| json!(errors.moving)),
                 "outside": each(|errors| json!(errors.outside)),
             })
         });

@@ -73,7 +73,8 @@ fn predictors(
         done();
         fitted.map_err(|error| EvaluateError::Clip { clip: format!("without fold {fold}"), error })
     });
-    predictors.collect()
+    // NOTE: collected straight into one result, the error kept would be that of any fold.
+    predictors.collect::<Vec<_>>().into_iter().collect()
 }
 
 /// A predictor with the edges that its demonstrations need.
@@ -117,5 +118,5 @@ pub(super) fn each_clip<T: Send>(
             error,
         })
     });
-    evaluated.collect()
+    evaluated.collect::<Vec<_>>().into_iter().collect()
 }

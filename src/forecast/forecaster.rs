@@ -196,13 +196,13 @@ impl Forecaster {
         let joints = examples.joints;
         let fields = Fields::fit(&examples, &settings, true)?;
         let mut forecaster =
-            Self { fields, mixture: Sums::new(horizons).solve(UNTRIED), root, joints, settings };
-        forecaster.mixture = forecaster.trust(&examples).solve(UNTRIED);
+            Self { fields, mixture: Sums::new(horizons).solve(0, UNTRIED), root, joints, settings };
+        forecaster.mixture = forecaster.trust(&examples);
         Ok(forecaster)
     }
 
-    /// What the methods say of moments that they did not learn from.
-    fn trust(&self, examples: &Examples) -> Sums {
+    /// How much each method is to be trusted, by what it says of moments it did not learn from.
+    fn trust(&self, examples: &Examples) -> Mixture {
         let horizons = self.settings.horizons.len();
         let mut sums = Sums::new(horizons);
         let mut groups = examples.group.clone();
@@ -211,7 +211,7 @@ impl Forecaster {
         groups.dedup();
         let parts = PARTS.min(groups.len() as u32);
         if parts < 2 {
-            return sums;
+            return sums.solve(0, UNTRIED);
         }
         let part_of = |group: u32| groups.partition_point(|known| *known < group) as u32 % parts;
         for part in 0..parts {
@@ -237,7 +237,7 @@ impl Forecaster {
             // In order, whoever was first.
             heard.collect::<Vec<_>>().iter().for_each(|heard| sums.merge(heard));
         }
-        sums
+        sums.solve(groups.len(), UNTRIED)
     }
 
     /// How far ahead forecasts go `[s]`, rising.

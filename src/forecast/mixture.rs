@@ -9,9 +9,16 @@ use nalgebra::{SMatrix, SVector};
 /// How many methods are mixed.
 pub(super) const EXPERTS: usize = 4;
 
-/// Part of each method's own curvature, so that no method's size matters to the others, that keeps
-/// weights of methods that say the same from growing.
+/// Part of what came true, squared and summed, that draws each weight towards [`EQUAL`], and so
+/// keeps those of methods that say the same from growing. A method that is far off is not drawn back
+/// by it, as its own errors are larger.
 const RIDGE: f64 = 1e-3;
+
+/// The same per group that was heard, in addition: what two recordings say of a method may be chance.
+const DOUBT: f64 = 0.3;
+
+/// Constant velocity says nothing, the three that learn as much as each other.
+const EQUAL: [f64; EXPERTS] = [0.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0];
 
 /// Weights per horizon: of the root's displacement, and of the others' relative to it.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,11 +26,19 @@ pub(super) struct Mixture(Vec<[[f64; EXPERTS]; 2]>);
 
 /// Sums that weights are solved from, per horizon and part.
 #[derive(Debug, Clone)]
-pub(super) struct Sums(Vec<[(SMatrix<f64, EXPERTS, EXPERTS>, SVector<f64, EXPERTS>); 2]>);
+pub(super) struct Sums(Vec<[Sum; 2]>);
+
+/// Over all joints and axes: what was said, what was said beside what came true, and that alone.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sum {
+    curvature: SMatrix<f64, EXPERTS, EXPERTS>,
+    slope: SVector<f64, EXPERTS>,
+    energy: f64,
+}
 
 impl Sums {
     pub(super) fn new(horizons: usize) -> Self {
-        Self(vec![[(SMatrix::zeros(), SVector::zeros()); 2]; horizons])
+        Self(vec![[Sum::default(); 2]; horizons])
     }
 
     /// Adds what the methods said of one moment over one horizon, and what came true.
@@ -38,12 +53,13 @@ impl Sums {
     ) {
         for joint in 0..truth.len() / 3 {
             let part = usize::from(joint != root);
-            let (curvature, slope) = &mut self.0[horizon][part];
+            let sum = &mut self.0[horizon][part];
             for axis in 0..3 {
                 let of = |d: &[f64]| relative(d, joint, root, axis);
                 let says = SVector::from(said.map(of));
-                *curvature += says * says.transpose();
-                *slope += says * of(truth);
+                sum.curvature += says * says.transpose();
+                sum.slope += says * of(truth);
+                sum.energy += of(truth) * of(truth);
             }
         }
     }
@@ -52,25 +68,33 @@ impl Sums {
     pub(super) fn merge(&mut self, other: &Self) {
         for (own, other) in self.0.as_mut_slice().iter_mut().flatten().zip(other.0.iter().flatten())
         {
-            own.0 += other.0;
-            own.1 += other.1;
+            own.curvature += other.curvature;
+            own.slope += other.slope;
+            own.energy += other.energy;
         }
     }
 
-    /// The weights that would have been best; those of `otherwise` where nothing was added.
-    pub(super) fn solve(&self, otherwise: [f64; EXPERTS]) -> Mixture {
+    /// The weights that would have been best, the fewer groups were heard the nearer to equal ones;
+    /// those of `otherwise` where nothing was added.
+    pub(super) fn solve(&self, groups: usize, otherwise: [f64; EXPERTS]) -> Mixture {
+        let doubt = RIDGE + DOUBT / groups.max(1) as f64;
         let weights = self.0.iter().map(|parts| {
-            parts.each_ref().map(|(curvature, slope)| {
+            parts.each_ref().map(|sum| {
+                let Sum { mut curvature, mut slope, energy } = *sum;
                 if curvature.trace() == 0.0 {
                     return otherwise;
                 }
-                let mut regular = *curvature;
                 for method in 0..EXPERTS {
-                    let own = &mut regular[(method, method)];
-                    // Who says that nothing moves weighs nothing.
-                    *own = if *own > 0.0 { (1.0 + RIDGE) * *own } else { 1.0 };
+                    let own = &mut curvature[(method, method)];
+                    if *own > 0.0 {
+                        *own += doubt * energy;
+                        slope[method] += doubt * energy * EQUAL[method];
+                    } else {
+                        // Who says that nothing moves weighs nothing.
+                        *own = 1.0;
+                    }
                 }
-                regular.cholesky().map_or(otherwise, |factor| factor.solve(slope).into())
+                curvature.cholesky().map_or(otherwise, |factor| factor.solve(&slope).into())
             })
         });
         Mixture(weights.collect())
@@ -143,7 +167,7 @@ mod tests {
             let (said, truth) = said(&mut random, sizes, weights);
             sums.add(1, ROOT, said.each_ref().map(Vec::as_slice), &truth);
         }
-        let Mixture(found) = sums.solve(OTHERWISE);
+        let Mixture(found) = sums.solve(1_000_000, OTHERWISE);
         assert_eq!(found[0], [OTHERWISE; 2], "nothing is known of the first");
         found[1]
     }
@@ -186,20 +210,41 @@ mod tests {
         let mut sums = Sums::new(1);
         let (one, nothing) = ([1.0, 2.0, 3.0, -2.0, 0.5, 0.1, 3.0, 1.0, -1.0], [0.0; 9]);
         sums.add(0, ROOT, [&one, &nothing, &one, &nothing], &one);
-        for [a, b, c, d] in sums.solve(OTHERWISE).0[0] {
-            assert!((a - 0.5).abs() < 1e-3 && (a - c).abs() < 1e-9, "{a}, {c}");
+        for [a, b, c, d] in sums.solve(1_000_000, OTHERWISE).0[0] {
+            // Between them as much as is true; the one that learns is trusted by a third more.
+            assert!((a + c - 1.0).abs() < 1e-3 && (c - a - EQUAL[2]).abs() < 1e-3, "{a}, {c}");
             assert_eq!([b, d], [0.0; 2]);
         }
         // Where nothing moves and all say so, nothing is known of any.
         let mut still = Sums::new(1);
         still.add(0, ROOT, [&nothing; EXPERTS], &nothing);
-        assert_eq!(still.solve(OTHERWISE).0[0], [OTHERWISE; 2]);
+        assert_eq!(still.solve(1_000_000, OTHERWISE).0[0], [OTHERWISE; 2]);
+    }
+
+    #[test]
+    fn few_groups_are_believed_less_and_a_method_far_off_never() {
+        let mut sums = Sums::new(1);
+        let truth = [1.0, 2.0, 3.0, -2.0, 0.5, 0.1, 3.0, 1.0, -1.0];
+        // One is right; the others say something else, the last far too much of it.
+        let other = [0.5, -1.0, 2.0, 0.1, 3.0, -1.0, 0.3, 0.2, 1.0];
+        let wild = [3.0, 1.0, -2.0, 0.4, 1.0, 2.0, -0.7, 0.9, 0.6].map(|d: f64| 1e4 * d);
+        sums.add(0, ROOT, [&other, &truth, &[0.0; 9], &wild], &truth);
+        for part in 0..2 {
+            let ridge = |groups| sums.solve(groups, OTHERWISE).0[0][part][1];
+            assert!(ridge(1) < ridge(3) && ridge(3) < ridge(30) && ridge(30) < 1.0);
+            assert!(sums.solve(1, OTHERWISE).0[0][part][3].abs() < 1e-4);
+        }
     }
 
     #[test]
     fn numbers_too_large_to_be_squared_are_not_learned_from() {
         let mut sums = Sums::new(1);
         sums.add(0, ROOT, [&[1e300; 9]; EXPERTS], &[1e300; 9]);
-        assert!(sums.solve(OTHERWISE).0[0].as_flattened().iter().all(|weight| weight.is_finite()));
+        assert!(
+            sums.solve(1_000_000, OTHERWISE).0[0]
+                .as_flattened()
+                .iter()
+                .all(|weight| weight.is_finite())
+        );
     }
 }

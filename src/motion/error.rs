@@ -15,7 +15,7 @@ pub enum MotionError {
         values: usize,
     },
     /// A number is NaN, infinite, or of a size nothing here has.
-    #[error("row {row}, column {column}: {value} is no number of size up to {LARGEST:e}")]
+    #[error("row {row}, column {column}: {value:e} is no number of size up to {LARGEST:e}")]
     OutOfRange {
         /// Which row.
         row: usize,
@@ -44,9 +44,7 @@ pub enum MotionError {
         share: f64,
     },
     /// The poses do not fill as many dimensions.
-    #[error(
-        "{dimensions} latent dimensions, but the {poses} poses span {rank} (hint: fewer dimensions)"
-    )]
+    #[error("{dimensions} latent dimensions, but {}", spanned(*.poses, *.rank))]
     Rank {
         /// Dimensions asked for, at least 1.
         dimensions: usize,
@@ -58,7 +56,7 @@ pub enum MotionError {
     /// No triangulation in as many dimensions.
     #[error(
         "the Delaunay triangulation takes 2 to 4 latent dimensions, not {dimensions}: above 4 its \
-         simplices explode in number (hint: neighbourhood knn takes any)"
+         simplices are too many (hint: neighbourhood knn takes any)"
     )]
     Dimensions {
         /// Dimensions asked for.
@@ -75,4 +73,11 @@ pub enum MotionError {
         /// The most there may be.
         most: usize,
     },
+}
+
+fn spanned(poses: usize, rank: usize) -> String {
+    match rank {
+        0 => format!("the {poses} poses are all alike"),
+        _ => format!("the {poses} poses span {rank} (hint: fewer dimensions)"),
+    }
 }

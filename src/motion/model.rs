@@ -26,6 +26,25 @@ impl Default for MotionSettings {
     }
 }
 
+impl MotionSettings {
+    /// Whether such a model may be made at all: whoever asks for too many dimensions need not wait
+    /// for it, nor be told first of another reason.
+    ///
+    /// # Errors
+    /// [`MotionError::Dimensions`].
+    pub fn check(&self) -> Result<(), MotionError> {
+        match self.dimensions {
+            Dimensions::Count(dimensions)
+                if self.neighbourhood.has_simplices()
+                    && !Complex::DIMENSIONS.contains(&dimensions) =>
+            {
+                Err(MotionError::Dimensions { dimensions })
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
 /// Sequences of poses in their latent space, with the field of their velocities; immutable.
 ///
 /// ```
@@ -58,13 +77,7 @@ impl MotionModel {
     /// [`MotionError`]: no poses, sequences of different channels, poses that span too few
     /// dimensions, or simplices asked for in more than there are any.
     pub fn fit(sequences: &[Rows], settings: MotionSettings) -> Result<Self, MotionError> {
-        if let Dimensions::Count(dimensions) = settings.dimensions
-            && settings.neighbourhood.has_simplices()
-            && !Complex::DIMENSIONS.contains(&dimensions)
-        {
-            // Whoever asks for so many need not wait for it, nor be told first of another reason.
-            return Err(MotionError::Dimensions { dimensions });
-        }
+        settings.check()?;
         let channels = sequences.first().ok_or(MotionError::NoPoses)?.width();
         let mut values = Vec::new();
         let mut ranges = Vec::with_capacity(sequences.len());

@@ -137,7 +137,7 @@ pub fn nearest_of_all(points: &Rows, k: usize) -> Vec<u32> {
     found.unwrap_or_else(|| by_scan(points, k))
 }
 
-/// `None` if the tree cannot be made: more points have the same coordinate than a leaf takes.
+/// `None` if the tree cannot be made.
 fn by_tree<const D: usize>(points: &Rows, k: NonZero<usize>) -> Option<Vec<u32>> {
     let padded = |point: &[f64]| -> [f64; D] {
         std::array::from_fn(|axis| point.get(axis).copied().unwrap_or(0.0))

@@ -243,7 +243,8 @@ pub(crate) enum Protocol {
 /// true end. Medians over the sequences, beside the paper's (Gauch & Peters, Table II).
 ///
 /// Of a recording of two people the motion is the partner's. An AMC file takes the only .asf beside
-/// it.
+/// it, and 120 frames a second. Sequences of another rate than most, or of other joints, are left
+/// out: a field counts time in frames.
 #[derive(Debug, Args)]
 pub(crate) struct Motion {
     /// Motions (.amc), recordings (.csv, .txt), or folders searched for them

@@ -151,7 +151,13 @@ pub(crate) fn read_motions(
             parse(bytes, place, selection).map(Motion::People)
         }
     };
-    read_each(arguments, selection, search::MOTIONS, output, read)
+    // A skeleton is no motion, and is read with those beside it.
+    let motions = arguments.iter().filter(|path| !search::ends_in(path, &["asf"]));
+    let motions: Vec<PathBuf> = motions.cloned().collect();
+    if motions.is_empty() {
+        anyhow::bail!("no motion: a skeleton (.asf) is read with the .amc beside it");
+    }
+    read_each(&motions, selection, search::MOTIONS, output, read)
 }
 
 /// Reads files of some endings, each under a name of its own.

@@ -108,7 +108,7 @@ fn each_fold(found: &MotionEvaluation) -> String {
                 found.neighbourhoods.iter().zip(&sequence.paths).enumerate()
             {
                 let name = if at == 0 { sequence.name.as_str() } else { "" };
-                let PathErrors { a, f, steps, outside, .. } = path;
+                let PathErrors { a, f, steps, outside, moving, .. } = path;
                 let _ = writeln!(
                     text,
                     "  {name:width$}  {:10}  A {a:.4}  F {f:.4}  {steps} steps{}{}",
@@ -118,7 +118,11 @@ fn each_fold(found: &MotionEvaluation) -> String {
                     } else {
                         String::new()
                     },
-                    if path.stood_still { ", then standing still" } else { "" },
+                    if moving < steps {
+                        format!(", standing still after {moving}")
+                    } else {
+                        String::new()
+                    },
                 );
             }
         }

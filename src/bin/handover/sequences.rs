@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use anyhow::bail;
 use handover_mesh::evaluate::NamedSequence;
+use handover_mesh::formats::rate;
 use handover_mesh::motion::Rows;
+use handover_mesh::statistics::median;
 use handover_mesh::{Config, Sequence};
 
 use crate::args::Selection;
@@ -44,7 +46,12 @@ struct Found {
     poses: Rows,
     unit: Unit,
     channels: Vec<String>,
+    /// Frames a second `[Hz]`; none of a single frame.
+    rate: Option<f64>,
 }
+
+/// Rates farther apart than by this factor are two: a motion model counts time in frames.
+const SAME_RATE: f64 = 1.25;
 
 /// Loads motions without their root; names on stderr what has to be left out.
 ///
@@ -87,6 +94,19 @@ pub(crate) fn load(
             same
         });
     }
+    if let Some(usual) = median(found.iter().filter_map(|sequence| sequence.rate).collect()) {
+        found.retain(|sequence| {
+            let rate = sequence.rate.unwrap_or(usual);
+            let same = rate <= SAME_RATE * usual && usual <= SAME_RATE * rate;
+            if !same {
+                leave_out(format!(
+                    "{}: {rate:.1} Hz, where most have about {usual:.1} Hz",
+                    sequence.name
+                ));
+            }
+            same
+        });
+    }
     let Some(unit) = found.first().map(|sequence| sequence.unit) else {
         bail!("no sequence is left to work with");
     };
@@ -119,7 +139,8 @@ fn take(
             let values = (0..motion.len()).flat_map(|frame| motion.angles(frame).to_vec());
             let poses = Rows::new(motion.skeleton().channel_count(), values.collect());
             let poses = poses.map_err(|error| format!("{name}: {error}"))?;
-            Ok(Found { name, poses, unit: Unit::Radians, channels: motion.channel_names() })
+            let (channels, rate) = (motion.channel_names(), rate(motion.stamps()));
+            Ok(Found { name, poses, unit: Unit::Radians, channels, rate })
         }
         Motion::People(loaded) => {
             let recording = &loaded.recording;
@@ -135,7 +156,8 @@ fn take(
             let poses = rootless(partner, &config.base_joint);
             let poses = poses.map_err(|error| format!("{name}: {error}"))?;
             let channels = partner.skeleton().names().to_vec();
-            Ok(Found { name, poses, unit: Unit::Metres, channels })
+            let rate = rate(recording.stamps());
+            Ok(Found { name, poses, unit: Unit::Metres, channels, rate })
         }
     }
 }

@@ -10,6 +10,9 @@ use super::lines::{AngleUnit, first_word, lines, unknown};
 use super::motion::{Motion, Root};
 use super::skeleton::{Asf, Bone, RootChannel};
 
+/// No joint turns farther, in degrees or radians.
+const MOST_ANGLE: f64 = 1e6;
+
 /// What the lines before the first frame may be.
 pub(in crate::formats) const SECTIONS: [&str; 3] = [":FULLY-SPECIFIED", ":DEGREES", ":RADIANS"];
 const KNOWN_SECTIONS: &str = ":FULLY-SPECIFIED, :DEGREES, :RADIANS";
@@ -221,7 +224,12 @@ impl<'a, 'v> Reader<'a, 'v> {
 
     fn set_angle(&mut self, bone: &Bone, at: usize, word: &str) -> Result<(), Reason> {
         let axis = bone.dofs[at].axis.letter();
-        let angle = field::number(word, || format!("{}.r{axis}", bone.name))?;
+        let name = || format!("{}.r{axis}", bone.name);
+        let angle = field::number(word, name)?;
+        if angle.abs() > MOST_ANGLE {
+            let bound = "an angle of at most a million";
+            return Err(Reason::OutOfBounds { field: name(), value: angle, bound });
+        }
         self.values[bone.first_channel + at] = self.radians(angle);
         Ok(())
     }
