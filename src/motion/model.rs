@@ -165,6 +165,21 @@ impl MotionModel {
         field::follow(&self.neighbours, &self.velocities, start, settings)
     }
 
+    /// The demonstrated pose that is nearest to any pose, in the latent space: an end of a
+    /// transition ([`super::ShortestPaths::transition`]).
+    ///
+    /// `None` if the pose is not finite.
+    ///
+    /// # Panics
+    /// If the pose has other channels: the caller's bug.
+    pub fn nearest_pose(&self, pose: &[f64]) -> Option<usize> {
+        let mut point = vec![0.0; self.pca.dimensions()];
+        self.pca.project_pose(pose, &mut point);
+        let mut near = Vec::with_capacity(1);
+        self.neighbours.nearest(&point, 1, &mut near);
+        near.first().map(|near| near.point as usize)
+    }
+
     /// Which pose may follow which: see [`MotionGraph`].
     pub fn graph(&self) -> MotionGraph {
         let points = self.points();

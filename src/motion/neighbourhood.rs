@@ -127,6 +127,11 @@ impl Neighbours {
         self.complex.as_ref()
     }
 
+    /// The nearest points, whatever the neighbourhood: see [`Nearest::nearest`].
+    pub(super) fn nearest(&self, place: &[f64], k: usize, found: &mut Vec<Near>) {
+        self.nearest.nearest(place, k, found);
+    }
+
     /// How many nearest points are neighbours, of as many as there are.
     pub(super) fn k(&self) -> usize {
         self.k

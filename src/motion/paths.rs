@@ -10,6 +10,20 @@ use rayon::prelude::*;
 use super::{MotionError, MotionGraph};
 
 /// Shortest paths between all pairs of poses; immutable.
+///
+/// ```
+/// use handover_mesh::motion::{MotionModel, MotionSettings, Rows, ShortestPaths};
+/// // Round a circle twice, the second time a little wider.
+/// let turns = (0..60).map(|k| (f64::from(k) / 5.0, 1.0 + f64::from(k) / 600.0));
+/// let poses = Rows::new(2, turns.flat_map(|(t, r)| [r * t.cos(), r * t.sin()]).collect())?;
+/// let model = MotionModel::fit(&[poses], MotionSettings::default())?;
+/// let paths = ShortestPaths::of(&model.graph())?;
+/// let [from, to] = [[1.0, 0.0], [0.0, 1.1]].map(|pose| model.nearest_pose(&pose));
+/// let way = from.zip(to).and_then(|(from, to)| paths.transition(from, to));
+/// // A quarter of the circle, not a round more.
+/// assert!(way.is_some_and(|way| way.poses.len() < 12 && way.length < 2.0));
+/// # Ok::<(), handover_mesh::motion::MotionError>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShortestPaths {
     count: usize,

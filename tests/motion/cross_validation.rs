@@ -122,7 +122,8 @@ fn a_fold_without_a_model_names_who_is_left_out() {
     assert!(text.contains("without walk 2") && text.contains("span 1"), "{text}");
 
     // Of several folds that fail the first is named, whatever the threads do.
-    let six = MotionProtocol { dimensions: Dimensions::Count(6), ..protocol() };
+    let neighbourhoods = vec![Neighbourhood::Knn];
+    let six = MotionProtocol { dimensions: Dimensions::Count(6), neighbourhoods, ..protocol() };
     for _ in 0..20 {
         let text = cross_validate(&rounds(6), &six, || ()).unwrap_err().to_string();
         assert!(text.contains("without walk 0, walk 4:"), "{text}");
