@@ -285,3 +285,32 @@ fn real_motions_are_as_well_made_up_by_both_kinds_of_neighbours() {
         }
     }
 }
+
+#[test]
+fn a_recording_of_another_rate_is_named_and_left_out() {
+    let folder = clips(4);
+    // The first one's frames, three times as far apart.
+    let text = fs::read_to_string(folder.path().join("clips/0.csv")).unwrap();
+    let slower = |line: &str| {
+        let mut fields: Vec<String> = line.split(',').map(str::to_owned).collect();
+        if let Some(Ok(seconds)) = fields.get(1).map(|seconds| seconds.parse::<f64>()) {
+            fields[1] = (3.0 * seconds).to_string();
+        }
+        fields.join(",") + "\n"
+    };
+    let slow: String = text.lines().map(slower).collect();
+    fs::write(folder.path().join("clips/slow.csv"), slow).unwrap();
+    let words = ["left out: slow: ", " Hz, where most have about ", "motion: 4 sequences"];
+    check(&folder, &["motion", "clips"], 3, &words);
+}
+
+#[test]
+fn a_skeleton_among_the_motions_is_none() {
+    let folder = walk(3);
+    let skeleton = fs::read_dir(folder.path().join("walk")).unwrap();
+    let skeleton = skeleton.map(|entry| entry.unwrap().path());
+    let skeleton = skeleton.filter(|path| path.extension().is_some_and(|ending| ending == "asf"));
+    let skeleton = skeleton.last().unwrap().to_string_lossy().into_owned();
+    check(&folder, &["motion", "walk", &skeleton], 0, &["motion: 3 sequences"]);
+    check(&folder, &["motion", &skeleton], 1, &["read with the .amc beside it"]);
+}

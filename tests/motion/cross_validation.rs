@@ -62,7 +62,7 @@ fn five_sequences_are_dealt_into_four_folds() {
         for left in &fold.left_out {
             assert_eq!(left.paths.len(), 3);
             for path in &left.paths {
-                assert!(path.steps == left.frames - 1 && path.moving <= path.steps);
+                assert!(path.steps == left.frames - 1 && path.moving == path.steps);
                 // Rounds that are 3 % apart in size; 1/D² of both sides.
                 assert!(path.a < 0.3 && path.f < 0.4, "{path:?}");
             }
