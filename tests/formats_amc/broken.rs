@@ -165,6 +165,8 @@ fn broken_motions_are_named() {
         "line 6: field 'thigh.rx': 'ten' is not a number\n\
         line 6: field 'thigh.rz': 'NaN' is not finite",
     );
+    let most = "line 7: field 'shin.rx': -2000000 must be an angle of at most a million";
+    check("shin 3e1", "shin -2e6", most);
     check(
         "root 0 80",
         "root inf 80e4",
