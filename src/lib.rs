@@ -19,11 +19,13 @@ mod linear;
 pub mod mesh;
 pub mod model;
 pub mod motion;
+pub mod online;
 pub mod predict;
 pub mod retarget;
 pub mod skeleton;
 pub mod statistics;
 pub mod time;
+pub mod track;
 
 pub use config::{Config, ConfigError};
 pub use geometry::{Isometry, Point, Vector};

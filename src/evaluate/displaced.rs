@@ -10,14 +10,13 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use serde_json::{Map, Value, json};
 
-use super::predictors::{EvaluateError, EvaluateSettings, each_clip};
+use super::predictors::{EvaluateError, EvaluateSettings, Learnt, each_clip};
 use super::report::{
     MethodFigures, MethodSummaries, every_method, figures_json, summaries_json, summarise,
 };
 use super::{Condition, Figures, Trial, TrialError};
 use crate::demonstration::Demonstration;
 use crate::geometry::Vector;
-use crate::predict::Predictor;
 
 /// One clip's figures under one condition, by all methods.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,8 +72,8 @@ pub fn displaced(
     settings: &EvaluateSettings,
     done: impl Fn() + Sync,
 ) -> Result<Displaced, EvaluateError> {
-    let evaluated = each_clip(clips, groups, settings, &done, |clip, predictor| {
-        evaluate_clip(clip, predictor, settings, &done)
+    let evaluated = each_clip(clips, groups, settings, &done, |clip, learnt| {
+        evaluate_clip(clip, learnt, settings, &done)
     })?;
     let (clips, failures): (Vec<_>, Vec<Vec<String>>) = evaluated.into_iter().flatten().unzip();
     let over = |wanted: &dyn Fn(Condition) -> bool| {
@@ -94,11 +93,11 @@ pub fn displaced(
 /// All methods on one clip under all conditions, each with the methods that had nothing to say.
 fn evaluate_clip(
     truth: &Demonstration,
-    predictor: &Predictor,
+    learnt: &Learnt,
     settings: &EvaluateSettings,
     done: &(impl Fn() + Sync),
 ) -> Result<Vec<(ChangedClip, Vec<String>)>, TrialError> {
-    let trial = Trial::new(truth, predictor, &settings.ignored_joints)?;
+    let trial = Trial::new(truth, &learnt.predictor, learnt.online.as_ref(), &settings.ignored_joints)?;
     let evaluate = |condition: Condition| {
         let evaluated = evaluate_condition(truth, &trial, condition, settings);
         done();

@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use super::predictors::{EvaluateError, EvaluateSettings, each_clip};
+use super::predictors::{EvaluateError, EvaluateSettings, Learnt, each_clip};
 use super::report::{Clip, Evaluation, every_method};
 use super::{Trial, TrialError};
 use crate::demonstration::Demonstration;
-use crate::predict::Predictor;
 
 /// Evaluates every method on every clip.
 ///
@@ -25,8 +24,8 @@ pub fn leave_one_out(
     settings: &EvaluateSettings,
     done: impl Fn() + Sync,
 ) -> Result<Evaluation, EvaluateError> {
-    let evaluated = each_clip(clips, groups, settings, &done, |clip, predictor| {
-        let evaluated = evaluate_clip(clip, predictor, settings);
+    let evaluated = each_clip(clips, groups, settings, &done, |clip, learnt| {
+        let evaluated = evaluate_clip(clip, learnt, settings);
         done();
         evaluated
     })?;
@@ -37,10 +36,10 @@ pub fn leave_one_out(
 /// All methods on one clip, and which of them had nothing to say about it.
 fn evaluate_clip(
     truth: &Demonstration,
-    predictor: &Predictor,
+    learnt: &Learnt,
     settings: &EvaluateSettings,
 ) -> Result<(Clip, Vec<String>), TrialError> {
-    let trial = Trial::new(truth, predictor, &settings.ignored_joints)?;
+    let trial = Trial::new(truth, &learnt.predictor, learnt.online.as_ref(), &settings.ignored_joints)?;
     let name = truth.recording().name();
     let (methods, failures) =
         every_method(name, &settings.methods, |method| Ok(trial.run(method)?.1));

@@ -7,6 +7,7 @@
 //! [`thesis`] goes another way: one recording retargeted to each of several, before and after
 //! learning.
 
+mod causal;
 mod condition;
 mod displaced;
 mod figures;

@@ -9,6 +9,7 @@ use super::folds::folds;
 use super::trial::UnknownJoint;
 use crate::demonstration::Demonstration;
 use crate::learn::{LearnSettings, learn};
+use crate::online::{OnlineModel, OnlineSettings};
 use crate::predict::{Method, PredictSettings, Predictor};
 
 /// What an evaluation may choose.
@@ -24,6 +25,16 @@ pub struct EvaluateSettings {
     pub predict: PredictSettings,
     /// How the edges of `mesh` are learned, once per fold.
     pub learn: LearnSettings,
+    /// Where methods are to know the past alone, tick by tick; else they know the partner's whole
+    /// motion.
+    pub causal: Option<OnlineSettings>,
+}
+
+/// What is learnt without one fold.
+pub(super) struct Learnt {
+    pub(super) predictor: Predictor,
+    /// Where methods know the past alone.
+    pub(super) online: Option<OnlineModel>,
 }
 
 /// Why there is no evaluation.
@@ -60,7 +71,7 @@ fn predictors(
     folds: &[usize],
     settings: &EvaluateSettings,
     done: &(impl Fn() + Sync),
-) -> Result<Vec<Predictor>, EvaluateError> {
+) -> Result<Vec<Learnt>, EvaluateError> {
     let count = folds.iter().max().map_or(0, |last| last + 1);
     if count < 2 {
         return Err(EvaluateError::TooFew { groups: count });
@@ -82,15 +93,17 @@ fn fit(
     demonstrations: Vec<Arc<Demonstration>>,
     groups: &[String],
     settings: &EvaluateSettings,
-) -> Result<Predictor, TrialError> {
-    let predictor = Predictor::fit(demonstrations, settings.predict.clone())?;
-    if !settings.methods.contains(&Method::Mesh) {
-        return Ok(predictor);
+) -> Result<Learnt, TrialError> {
+    let mut predictor = Predictor::fit(demonstrations, settings.predict.clone())?;
+    if settings.methods.contains(&Method::Mesh) {
+        let skeleton = predictor.demonstrations()[0].robot().skeleton();
+        let ignored = UnknownJoint::find(skeleton, &settings.ignored_joints)?;
+        let edges = learn(&predictor, groups, &ignored, &settings.learn)?;
+        predictor = predictor.with_edges(edges);
     }
-    let skeleton = predictor.demonstrations()[0].robot().skeleton();
-    let ignored = UnknownJoint::find(skeleton, &settings.ignored_joints)?;
-    let edges = learn(&predictor, groups, &ignored, &settings.learn)?;
-    Ok(predictor.with_edges(edges))
+    let online = settings.causal.clone();
+    let online = online.map(|online| OnlineModel::new(&predictor, online)).transpose()?;
+    Ok(Learnt { predictor, online })
 }
 
 /// What `evaluate` makes of each clip with a predictor that never saw the clip nor its group, in
@@ -107,7 +120,7 @@ pub(super) fn each_clip<T: Send>(
     groups: &[String],
     settings: &EvaluateSettings,
     done: &(impl Fn() + Sync),
-    evaluate: impl Fn(&Demonstration, &Predictor) -> Result<T, TrialError> + Sync,
+    evaluate: impl Fn(&Demonstration, &Learnt) -> Result<T, TrialError> + Sync,
 ) -> Result<Vec<T>, EvaluateError> {
     assert_eq!(clips.len(), groups.len(), "one group per clip");
     let folds = folds(groups, settings.folds);

@@ -3,7 +3,8 @@
 use serde_json::{Value, json};
 
 use super::{Figure, Figures};
-use crate::predict::{Method, PredictError};
+use super::TrialError;
+use crate::predict::Method;
 use crate::statistics::Summary;
 
 /// Figures per method, in the columns' order.
@@ -79,7 +80,7 @@ impl Evaluation {
 pub(super) fn every_method(
     what: &str,
     methods: &[Method],
-    run: impl Fn(Method) -> Result<Figures, PredictError>,
+    run: impl Fn(Method) -> Result<Figures, TrialError>,
 ) -> (MethodFigures, Vec<String>) {
     let mut failures = Vec::new();
     let methods = methods.iter().map(|method| {

@@ -1,10 +1,12 @@
 //! One recording put to the methods: each sees the partner, the figures see the truth. The same
 //! recording under a [`Condition`] has no truth, and a type of its own.
 
+use super::causal;
 use super::{Condition, Figures, KnownScene, Scene};
 use crate::demonstration::{Demonstration, Hands, Observation};
 use crate::geometry::{Point, Vector};
 use crate::learn::LearnError;
+use crate::online::{OnlineError, OnlineModel};
 use crate::predict::{Alignment, Method, PredictError, Predictor};
 use crate::skeleton::{JointId, Skeleton};
 
@@ -47,6 +49,9 @@ pub enum TrialError {
     /// The method failed.
     #[error(transparent)]
     Predict(#[from] PredictError),
+    /// The demonstrations cannot be followed tick by tick.
+    #[error(transparent)]
+    Online(#[from] OnlineError),
     /// No edges could be learned.
     #[error("the edges of mesh: {0} (hint: --methods leaves mesh out)")]
     Learn(#[from] LearnError),
@@ -56,14 +61,20 @@ pub enum TrialError {
 #[derive(Debug, Clone)]
 struct Question<'a> {
     predictor: &'a Predictor,
+    /// Where methods know the past alone.
+    online: Option<&'a OnlineModel>,
     observation: Observation,
     alignment: Alignment,
 }
 
 impl<'a> Question<'a> {
-    fn new(predictor: &'a Predictor, observation: Observation) -> Result<Self, PredictError> {
+    fn new(
+        predictor: &'a Predictor,
+        online: Option<&'a OnlineModel>,
+        observation: Observation,
+    ) -> Result<Self, PredictError> {
         let alignment = predictor.align(&observation)?;
-        Ok(Self { predictor, observation, alignment })
+        Ok(Self { predictor, online, observation, alignment })
     }
 
     /// The hands that will meet, as the demonstrations have it, and their mean gap `[m]`.
@@ -72,8 +83,12 @@ impl<'a> Question<'a> {
         (hands, self.predictor.mean_gap(hands))
     }
 
-    fn answer(&self, method: Method) -> Result<Vec<Point>, PredictError> {
-        self.predictor.predict(method, &self.observation, &self.alignment)
+    /// - `seen`: the observation as it was seen, not smoothed.
+    fn answer(&self, method: Method, seen: &Observation) -> Result<Vec<Point>, TrialError> {
+        match self.online {
+            Some(model) => Ok(causal::predict(self.predictor, model, method, seen)?),
+            None => Ok(self.predictor.predict(method, &self.observation, &self.alignment)?),
+        }
     }
 }
 
@@ -88,6 +103,7 @@ pub struct Trial<'a> {
 
 impl<'a> Trial<'a> {
     /// - `truth`: the recording, the robot role's motion in it read by the figures only.
+    /// - `online`: where methods are to know the past alone; else they know the whole motion.
     /// - `ignored`: joints of the robot, by name, that no figure counts.
     ///
     /// # Errors
@@ -95,10 +111,11 @@ impl<'a> Trial<'a> {
     pub fn new(
         truth: &'a Demonstration,
         predictor: &'a Predictor,
+        online: Option<&'a OnlineModel>,
         ignored: &[String],
     ) -> Result<Self, TrialError> {
         let ignored = UnknownJoint::find(truth.robot().skeleton(), ignored)?;
-        let question = Question::new(predictor, predictor.observe(truth))?;
+        let question = Question::new(predictor, online, predictor.observe(truth))?;
         let (hands, gap) = question.meeting();
         let scene = KnownScene::new(truth, hands, gap, &ignored);
         let scene = scene.ok_or(TrialError::NoHand { hands })?;
@@ -108,9 +125,9 @@ impl<'a> Trial<'a> {
     /// The robot's joints by a method (`[m]`, `frames × joints`), and how far they are off.
     ///
     /// # Errors
-    /// [`PredictError`] of the method.
-    pub fn run(&self, method: Method) -> Result<(Vec<Point>, Figures), PredictError> {
-        let predicted = self.question.answer(method)?;
+    /// [`TrialError`] of the method.
+    pub fn run(&self, method: Method) -> Result<(Vec<Point>, Figures), TrialError> {
+        let predicted = self.question.answer(method, self.scene.scene().observation())?;
         let figures = self.figures(&predicted);
         Ok((predicted, figures))
     }
@@ -147,7 +164,7 @@ impl<'a> Trial<'a> {
         let change = |observation| condition.apply(observation, displacement);
         // Smoothing a moved motion and moving a smoothed one are the same.
         let observation = change(self.question.observation.clone());
-        let question = Question::new(self.question.predictor, observation)?;
+        let question = Question::new(self.question.predictor, self.question.online, observation)?;
         let (hands, gap) = question.meeting();
         let scene = Scene::new(self.truth, hands, gap).ok_or(TrialError::NoHand { hands })?;
         Ok(ChangedTrial { question, scene: scene.changed(change), displacement })
@@ -177,9 +194,9 @@ impl ChangedTrial<'_> {
     /// hand and contact error are undefined.
     ///
     /// # Errors
-    /// [`PredictError`] of the method.
-    pub fn run(&self, method: Method) -> Result<(Vec<Point>, Figures), PredictError> {
-        let predicted = self.question.answer(method)?;
+    /// [`TrialError`] of the method.
+    pub fn run(&self, method: Method) -> Result<(Vec<Point>, Figures), TrialError> {
+        let predicted = self.question.answer(method, self.scene.observation())?;
         let figures = self.scene.figures(&predicted);
         Ok((predicted, figures))
     }

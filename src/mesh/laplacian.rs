@@ -94,6 +94,24 @@ impl InteractionMesh {
         Ok(())
     }
 
+    /// Takes on other positions, the weights as they are; without allocation.
+    ///
+    /// - `positions`: `[m]`, `frames × vertices`, as many as there are.
+    ///
+    /// # Errors
+    /// [`MeshError::NotFinite`], [`MeshError::Shape`]: the mesh is then as it was.
+    pub fn set_positions(&mut self, positions: &[Point]) -> Result<(), MeshError> {
+        let (vertices, frames) = (self.topology.pair().len(), self.frames());
+        if positions.len() != self.positions.len() {
+            return Err(MeshError::Shape { got: positions.len(), frames, vertices });
+        }
+        if let Some(at) = positions.iter().position(|p| !is_finite(p)) {
+            return Err(MeshError::NotFinite { frame: at / vertices, joint: at % vertices });
+        }
+        self.positions.copy_from_slice(positions);
+        Ok(())
+    }
+
     /// Takes over one edge's weights from a mesh of the same topology and length.
     pub(crate) fn copy_weights(&mut self, other: &Self, edge: usize) {
         for frame in 0..self.frames() {

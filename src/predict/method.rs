@@ -135,6 +135,11 @@ impl Predictor {
         &self.demonstrations
     }
 
+    /// The edges between the people.
+    pub fn edges(&self) -> &LearnedEdges {
+        &self.edges
+    }
+
     /// How predictions are made.
     pub fn settings(&self) -> &PredictSettings {
         &self.settings
@@ -243,6 +248,20 @@ impl Predictor {
     ) -> Result<Problem, PredictError> {
         let alignment = self.align_to(observation, Some(hands), |_| true)?;
         Ok(Problem::new(observation, &alignment, None, &self.settings))
+    }
+
+    /// The robot's joints by a method that needs no alignment, at each frame from the past alone:
+    /// `[m]`, `frames × joints`. `None` of methods that need one.
+    pub fn predict_causally(
+        &self,
+        method: Method,
+        observation: &Observation,
+    ) -> Option<Vec<Point>> {
+        match method {
+            Method::Hold => Some(hold(observation)),
+            Method::Ridge => Some(self.ridge.predict_causally(observation)),
+            _ => None,
+        }
     }
 
     /// The robot's joints by one method: `[m]`, `frames × joints`.

@@ -19,8 +19,15 @@ pub(super) struct Ridge {
 
 /// Which way the partner is, seen from the robot over the whole clip: the clip's own x axis.
 fn clip_from_world(observation: &Observation) -> Isometry {
-    let towards: Vector =
-        (0..observation.len()).map(|k| observation.partner_place(k) - observation.base[k]).sum();
+    axis((0..observation.len()).map(|frame| towards_partner(observation, frame)).sum())
+}
+
+fn towards_partner(observation: &Observation, frame: usize) -> Vector {
+    observation.partner_place(frame) - observation.base[frame]
+}
+
+/// Turns what is seen along `towards` to the x axis.
+fn axis(towards: Vector) -> Isometry {
     yaw_isometry(-towards.y.atan2(towards.x), Vector::zeros())
 }
 
@@ -32,10 +39,9 @@ fn flatten<'a>(
     points.into_iter().map(|p| turn * (p - from)).flat_map(|p| [p.x, p.y, p.z]).collect()
 }
 
-fn inputs(observation: &Observation) -> Vec<Vec<f64>> {
-    let turn = clip_from_world(observation);
-    let frames = observation.partner.frames().iter().zip(&observation.base);
-    frames.map(|(frame, base)| flatten(&frame.positions, *base, &turn)).collect()
+fn input(observation: &Observation, frame: usize, clip_from_world: &Isometry) -> Vec<f64> {
+    let positions = &observation.partner.frames()[frame].positions;
+    flatten(positions, observation.base[frame], clip_from_world)
 }
 
 impl Ridge {
@@ -44,7 +50,7 @@ impl Ridge {
         for demonstration in demonstrations {
             let observation = demonstration.observation();
             let turn = clip_from_world(&observation);
-            x.extend(inputs(&observation));
+            x.extend((0..observation.len()).map(|frame| input(&observation, frame, &turn)));
             let robot = demonstration.robot().frames().iter().zip(&observation.base);
             y.extend(robot.map(|(frame, base)| flatten(&frame.positions, *base, &turn)));
         }
@@ -68,9 +74,28 @@ impl Ridge {
     }
 
     pub(super) fn predict(&self, observation: &Observation) -> Vec<Point> {
-        let world_from_clip = clip_from_world(observation).inverse();
+        let turn = clip_from_world(observation);
+        self.predict_by(observation, |_| turn)
+    }
+
+    /// The same where at each frame only the past is known.
+    pub(super) fn predict_causally(&self, observation: &Observation) -> Vec<Point> {
+        let mut towards = Vector::zeros();
+        self.predict_by(observation, |frame| {
+            towards += towards_partner(observation, frame);
+            axis(towards)
+        })
+    }
+
+    fn predict_by(
+        &self,
+        observation: &Observation,
+        mut clip_from_world: impl FnMut(usize) -> Isometry,
+    ) -> Vec<Point> {
         let mut predicted = Vec::new();
-        for (input, base) in inputs(observation).iter().zip(&observation.base) {
+        for (frame, base) in observation.base.iter().enumerate() {
+            let turn = clip_from_world(frame);
+            let (input, world_from_clip) = (input(observation, frame, &turn), turn.inverse());
             let standard: Vec<f64> = input
                 .iter()
                 .zip(self.input_mean.iter().zip(&self.input_scale))

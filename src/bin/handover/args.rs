@@ -177,6 +177,9 @@ pub(crate) struct Evaluate {
     /// Clips with this metadata in common never learn from each other, e.g. pair
     #[arg(long, value_name = "KEY")]
     pub(crate) group: Option<String>,
+    /// Let methods know the past alone, tick by tick (leave_one_out and displaced)
+    #[arg(long)]
+    pub(crate) causal: bool,
     /// The methods to compare, separated by commas [default: all of the protocol's]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = any_method_parser())]
     pub(crate) methods: Vec<String>,

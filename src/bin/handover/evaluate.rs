@@ -40,6 +40,7 @@ pub(crate) fn run(
         ignored_joints: config.ignored_joints.clone(),
         predict: config.predict.clone(),
         learn: config.learn.clone(),
+        causal: arguments.causal.then(|| config.online.clone()),
     };
     let folds = evaluate::folds(&groups, folds).into_iter().max().map_or(0, |last| last + 1);
     let progress = |steps| Progress::new(output, "learning and evaluating", folds + steps);

@@ -68,7 +68,7 @@ pub(crate) fn run(
     let method = Method::ALL.into_iter().find(|method| method.name() == replay.method);
     let method = method.unwrap_or(Method::Mesh);
     let predictor = predictor(demonstrations, edges, method, &config, output)?;
-    let (predicted, figures) = Trial::new(truth, &predictor, &config.ignored_joints)
+    let (predicted, figures) = Trial::new(truth, &predictor, None, &config.ignored_joints)
         .and_then(|trial| Ok(trial.run(method)?))
         .with_context(|| format!("cannot replay {}", recording.display()))?;
     if let Some(out) = &replay.out {

@@ -1,0 +1,97 @@
+//! Methods that know the past alone: what a robot could really do at each frame.
+//!
+//! All of them follow the demonstrations by the same tracker, so that they differ in what is their
+//! own.
+
+mod promp;
+
+use crate::demonstration::Observation;
+use crate::geometry::{Point, Vector, yaw_isometry};
+use crate::kinematics::{minimum_jerk, two_bone};
+use crate::online::{OnlineError, OnlineModel, Perception, Reference, Window, mean_pose};
+use crate::predict::{Method, Predictor};
+use crate::skeleton::Part;
+use crate::track::Who;
+use promp::Promp;
+
+/// The robot's joints by one method, frame by frame: `[m]`, `frames × joints`.
+pub(super) fn predict(
+    predictor: &Predictor,
+    model: &OnlineModel,
+    method: Method,
+    observation: &Observation,
+) -> Result<Vec<Point>, OnlineError> {
+    if let Some(predicted) = predictor.predict_causally(method, observation) {
+        return Ok(predicted);
+    }
+    let edges = method == Method::Mesh;
+    let mut perception = Perception::new(model);
+    let mut window = Window::new(model, &observation.bone_lengths, edges)?;
+    let mut reference = Reference::new(model);
+    let mut promp = Promp::new(model);
+    let joints = observation.robot_skeleton.len();
+    let mut predicted = vec![Point::origin(); observation.len() * joints];
+    let frames = observation.partner.frames().iter().zip(&observation.base);
+    for ((frame, base), pose) in frames.zip(predicted.chunks_exact_mut(joints)) {
+        perception.see(model, frame.stamp, &frame.positions, *base);
+        let followed = &perception.belief().followed;
+        let library = model.library();
+        match method {
+            Method::Knn => mean_pose(library, followed, Who::Robot, 0.0, *base, pose),
+            Method::Replay => mean_pose(library, &followed[..1], Who::Robot, 0.0, *base, pose),
+            Method::Attach => {
+                mean_pose(library, &followed[..1], Who::Robot, 0.0, *base, pose);
+                attach(model, &perception, observation, &frame.positions, pose);
+            }
+            Method::Promp => promp.predict(model, &perception, &frame.positions, *base, pose),
+            Method::Hold | Method::Ridge | Method::None | Method::Mesh => {
+                perception.look(model, frame.stamp, *base, |stamp, out| {
+                    let stamp = stamp.min(frame.stamp);
+                    if let Ok(there) = observation.partner.resampled(&[stamp]) {
+                        out.copy_from_slice(&there.frames()[0].positions);
+                    }
+                });
+                let scene = perception.scene();
+                reference.fill(model, perception.belief(), scene, edges);
+                window.solve(model, perception.belief(), scene, &reference)?;
+                pose.copy_from_slice(&window.poses()[..joints]);
+            }
+        }
+    }
+    Ok(predicted)
+}
+
+/// Leads the hand of a replayed pose to the partner's hand plus the mean gap, near contact.
+fn attach(
+    model: &OnlineModel,
+    perception: &Perception,
+    observation: &Observation,
+    partner: &[Point],
+    pose: &mut [Point],
+) {
+    let belief = perception.belief();
+    let nearest = belief.followed[0];
+    let contact = model.library().exemplars()[nearest.exemplar].contact - nearest.frame;
+    let seconds = contact * model.library().step().seconds();
+    let share = minimum_jerk(1.0 - seconds.abs() / model.predict_settings().attach_fade);
+    let (skeleton, partner_skeleton) =
+        (&observation.robot_skeleton, observation.partner.skeleton());
+    let (Some([shoulder, elbow, hand]), Some(partner_hand)) = (
+        skeleton.arm(belief.hands.robot),
+        partner_skeleton.part(Part::Hand(belief.hands.partner)),
+    ) else {
+        return;
+    };
+    let length = |child| {
+        let mut bones = skeleton.bones().zip(&observation.bone_lengths);
+        bones.find(|(bone, _)| bone.child == child).map_or(0.0, |(_, length)| *length)
+    };
+    let world_from_heading = yaw_isometry(partner_skeleton.heading(partner), Vector::zeros());
+    let goal = partner[partner_hand.index()] + world_from_heading * model.gap(belief.hands);
+    let (root, replayed) = (pose[shoulder.index()], pose[hand.index()]);
+    let pole = pose[elbow.index()] - root;
+    let target = replayed + (goal - replayed) * share;
+    let arm = two_bone(root, target, length(elbow), length(hand), pole);
+    pose[elbow.index()] = arm.middle;
+    pose[hand.index()] = arm.end;
+}

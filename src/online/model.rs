@@ -1,0 +1,98 @@
+//! What ticks have in common: immutable, shared between threads.
+
+use std::sync::Arc;
+
+use super::OnlineSettings;
+use crate::demonstration::Hands;
+use crate::forecast::{ForecastError, Forecaster};
+use crate::geometry::Vector;
+use crate::mesh::{MeshError, Pair};
+use crate::predict::{LearnedEdges, PredictSettings, Predictor};
+use crate::retarget::RetargetError;
+use crate::skeleton::{Role, Sequence};
+use crate::track::{Library, LibraryError};
+
+/// Why there is no online model.
+#[derive(Debug, thiserror::Error, Clone, PartialEq)]
+pub enum OnlineError {
+    /// The demonstrations cannot be followed.
+    #[error(transparent)]
+    Library(#[from] LibraryError),
+    /// The partner cannot be forecast.
+    #[error("the partner cannot be forecast: {0}")]
+    Forecast(#[from] ForecastError),
+    /// The demonstrations make no mesh.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// The mesh cannot be solved.
+    #[error(transparent)]
+    Retarget(#[from] RetargetError),
+}
+
+/// Demonstrations to follow, edges to keep, a partner to forecast.
+#[derive(Debug, Clone)]
+pub struct OnlineModel {
+    pub(super) library: Library,
+    pub(super) forecaster: Forecaster,
+    pub(super) edges: LearnedEdges,
+    pub(super) pair: Arc<Pair>,
+    pub(super) robot: Role,
+    pub(super) predict: PredictSettings,
+    pub(super) settings: OnlineSettings,
+    /// Per pair of hands, in [`Hands::all`]'s order.
+    gaps: [Vector; 4],
+}
+
+impl OnlineModel {
+    /// Makes ready for ticks what was learned.
+    ///
+    /// # Errors
+    /// [`OnlineError`]: demonstrations too short to be forecast from, or all alike.
+    pub fn new(
+        predictor: &Predictor,
+        settings: OnlineSettings,
+    ) -> Result<Self, OnlineError> {
+        let demonstrations = predictor.demonstrations();
+        let library = Library::new(demonstrations, settings.track.clone())?;
+        let motions: Vec<(&Sequence, u32)> =
+            demonstrations.iter().map(|d| d.partner()).zip(0..).collect();
+        let root = demonstrations[0].partner_base();
+        let forecaster = Forecaster::fit(&motions, root, settings.forecast.clone())?;
+        let mut gaps = [Vector::zeros(); 4];
+        for (gap, hands) in gaps.iter_mut().zip(Hands::all()) {
+            *gap = predictor.mean_gap(hands);
+        }
+        Ok(Self {
+            library,
+            forecaster,
+            edges: predictor.edges().clone(),
+            pair: Arc::new(Pair::of(demonstrations[0].recording())),
+            robot: demonstrations[0].robot_role(),
+            predict: predictor.settings().clone(),
+            settings,
+            gaps,
+        })
+    }
+
+    /// The demonstrations on their grid.
+    pub fn library(&self) -> &Library {
+        &self.library
+    }
+
+    /// The mean gap of the demonstrations in which these hands met `[m]`: robot's hand minus
+    /// partner's, in the partner's heading frame.
+    pub fn gap(&self, hands: Hands) -> Vector {
+        let at = Hands::all().position(|known| known == hands).unwrap_or(0);
+        self.gaps[at]
+    }
+
+    /// How demonstrations become predictions.
+    pub fn predict_settings(&self) -> &PredictSettings {
+        &self.predict
+    }
+
+    /// How the tick is done.
+    pub fn settings(&self) -> &OnlineSettings {
+        &self.settings
+    }
+}

@@ -1,0 +1,108 @@
+//! The demonstrations followed, on the places of now: what the window's mesh is made of.
+//!
+//! `r_k = Σ_d w_d (Y_d (x_d(f_d + k·tempo) − base_d) + base)`: each demonstration `d` at the frame
+//! where it is believed to be, turned by `Y_d` about the vertical and shifted so that the bases are
+//! where the people's are. Near the moment at which the hands are to meet the robot's hand is
+//! brought to the gap that the demonstrations had at theirs.
+
+use super::OnlineModel;
+use crate::geometry::{Point, Vector, yaw_isometry};
+use crate::kinematics::minimum_jerk;
+use crate::skeleton::Part;
+use crate::track::{Belief, Followed, Library, Who};
+
+/// Where the two people are over the window: the partner seen and forecast, the robot's base.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// The partner's joints `[m]`, `frames × joints`, the window's past first.
+    pub partner: Vec<Point>,
+    /// Where the robot's base is `[m]`.
+    pub robot_base: Point,
+}
+
+/// The reference over the window: `[m]`, `frames × joints`, the window's past first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reference {
+    /// The robot role's joints.
+    pub robot: Vec<Point>,
+    /// The partner's joints.
+    pub partner: Vec<Point>,
+}
+
+impl Reference {
+    /// Room for a window.
+    pub fn new(model: &OnlineModel) -> Self {
+        let frames = model.settings.past + 1 + model.settings.future;
+        let room = |who| vec![Point::origin(); frames * model.library.skeleton(who).len()];
+        Self { robot: room(Who::Robot), partner: room(Who::Partner) }
+    }
+
+    /// Lays the demonstrations followed on where the partner and the robot's base are.
+    ///
+    /// Without allocation.
+    pub fn fill(&mut self, model: &OnlineModel, belief: &Belief, scene: &Scene, holds_gap: bool) {
+        let library = &model.library;
+        let [robot_joints, partner_joints] =
+            [Who::Robot, Who::Partner].map(|who| library.skeleton(who).len());
+        let partner_base = library.base(Who::Partner).index();
+        let rows = self.robot.chunks_exact_mut(robot_joints);
+        let rows = rows.zip(self.partner.chunks_exact_mut(partner_joints));
+        let seen = scene.partner.chunks_exact(partner_joints);
+        for (at, ((robot, partner), seen)) in rows.zip(seen).enumerate() {
+            let ahead = at as f64 - model.settings.past as f64;
+            let ahead = if ahead > 0.0 { ahead * belief.tempo } else { ahead };
+            mean_pose(&model.library, &belief.followed, Who::Robot, ahead, scene.robot_base, robot);
+            mean_pose(&model.library, &belief.followed, Who::Partner, ahead, seen[partner_base], partner);
+            if holds_gap {
+                hold_gap(model, belief, ahead, seen, robot, partner);
+            }
+        }
+    }
+}
+
+/// The weighted mean of the demonstrations followed, `ahead` frames of the grid from where they are
+/// believed to be, the base at `base`: `[m]`, one per joint, overwritten.
+pub fn mean_pose(
+    library: &Library,
+    followed: &[Followed],
+    who: Who,
+    ahead: f64,
+    base: Point,
+    pose: &mut [Point],
+) {
+    pose.fill(base);
+    for followed in followed {
+        let turn = yaw_isometry(followed.yaw, Vector::zeros());
+        for (joint, place) in library.skeleton(who).joints().zip(&mut *pose) {
+            let from_base =
+                library.from_base(followed.exemplar, who, followed.frame + ahead, joint);
+            *place += followed.weight * (turn * from_base);
+        }
+    }
+}
+
+/// Near the reference's contact, brings its hands to the gap that the demonstrations had at theirs.
+fn hold_gap(
+    model: &OnlineModel,
+    belief: &Belief,
+    ahead: f64,
+    seen: &[Point],
+    robot: &mut [Point],
+    partner: &[Point],
+) {
+    let [robot_skeleton, partner_skeleton] =
+        [Who::Robot, Who::Partner].map(|who| model.library.skeleton(who));
+    let (Some(robot_hand), Some(partner_hand)) = (
+        robot_skeleton.part(Part::Hand(belief.hands.robot)),
+        partner_skeleton.part(Part::Hand(belief.hands.partner)),
+    ) else {
+        return;
+    };
+    let seconds = (belief.contact - ahead) * model.library.step().seconds();
+    let share = minimum_jerk(1.0 - seconds.abs() / model.predict.contact_fade);
+    let world_from_heading = yaw_isometry(partner_skeleton.heading(seen), Vector::zeros());
+    let gap = world_from_heading * model.gap(belief.hands);
+    let goal = partner[partner_hand.index()] + gap;
+    let hand = &mut robot[robot_hand.index()];
+    *hand += (goal - *hand) * share;
+}

@@ -1,0 +1,36 @@
+//! The numbers behind a tick.
+
+use crate::forecast::ForecastSettings;
+use crate::track::TrackSettings;
+
+/// The numbers behind a tick.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OnlineSettings {
+    /// How the partner is looked for in the demonstrations; the window is on the same grid of time.
+    pub track: TrackSettings,
+    /// How the partner is forecast.
+    pub forecast: ForecastSettings,
+    /// Frames of the window before now, ≥ 0.
+    pub past: usize,
+    /// Frames of the window after now, ≥ 1.
+    pub future: usize,
+    /// How soon a forecast of the partner counts for less than how the demonstrations go on
+    /// `[s]`, > 0: its share falls by `exp(−t/this)`.
+    pub trust: f64,
+    /// By how much a weight may change before the system is factored anew, as a share of itself
+    /// `[-]`, ≥ 0.
+    pub refactor: f64,
+}
+
+impl Default for OnlineSettings {
+    fn default() -> Self {
+        Self {
+            track: TrackSettings::default(),
+            forecast: ForecastSettings::default(),
+            past: 2,
+            future: 15,
+            trust: 0.5,
+            refactor: 1e-3,
+        }
+    }
+}

@@ -1,0 +1,223 @@
+//! The mesh over a few frames of past and future, solved for the robot's joints.
+//!
+//! As [`crate::predict::Problem`] does for a whole interaction: the partner's joints and the
+//! robot's base are known and eliminated, their Laplacian rows stay; bones are made exact behind
+//! the solve. Pattern and workspace are made once per pair of hands.
+
+use std::sync::Arc;
+
+use super::{OnlineError, OnlineModel, Reference, Scene};
+use crate::demonstration::Hands;
+use crate::geometry::Point;
+use crate::mesh::{EdgeWeights, InitialEdges, InteractionMesh, Topology};
+use crate::predict::phase;
+use crate::retarget::{
+    Constraint, Residual, RetargetError, Retargeter, Workspace, project_bones,
+};
+use crate::skeleton::{JointId, Role};
+use crate::track::{Belief, Who};
+
+/// One pair of hands' mesh: who neighbours whom, and the room to solve it.
+#[derive(Debug, Clone)]
+struct System {
+    retargeter: Retargeter,
+    workspace: Workspace,
+    mesh: InteractionMesh,
+    /// Edges between the people: their place in the topology, and their factors per phase.
+    between: Vec<(usize, Vec<f64>)>,
+    is_factored: bool,
+}
+
+/// Solves windows; all it needs it holds.
+#[derive(Debug, Clone)]
+pub struct Window {
+    systems: Vec<(Hands, System)>,
+    positions: Vec<Point>,
+    targets: Vec<Point>,
+    solved: Vec<Point>,
+    /// Both people's bones, in the pair's order `[m]`.
+    lengths: Vec<f64>,
+    robot_lengths: Vec<f64>,
+    /// The robot's joints now and at each later frame `[m]`.
+    poses: Vec<Point>,
+}
+
+impl Window {
+    /// Lays out the systems of all pairs of hands.
+    ///
+    /// - `robot_lengths`: the robot's bones `[m]`, in its skeleton's bone order, > 0.
+    /// - `edges`: whether the edges between the people count.
+    ///
+    /// # Errors
+    /// [`OnlineError::Mesh`], [`OnlineError::Retarget`].
+    pub fn new(
+        model: &OnlineModel,
+        robot_lengths: &[f64],
+        edges: bool,
+    ) -> Result<Self, OnlineError> {
+        let frames = model.settings.past + 1 + model.settings.future;
+        let pair = &model.pair;
+        let library = &model.library;
+        let first = |who: Who| -> Vec<Point> {
+            let joints = library.skeleton(who).joints();
+            joints.map(|joint| library.position(0, who, 0.0, joint)).collect()
+        };
+        let first_frame = in_order(model.robot, [first(Who::Robot), first(Who::Partner)]).concat();
+        let positions = first_frame.repeat(frames);
+        let base = pair.vertex(model.robot, library.base(Who::Robot));
+        let vertices = [Role::First, Role::Second].into_iter().flat_map(|role| pair.vertices(role));
+        let constraints: Vec<Constraint> = vertices
+            .map(|vertex| {
+                let is_known = pair.role(vertex) != model.robot || vertex == base;
+                if is_known { Constraint::Fixed } else { Constraint::Free }
+            })
+            .collect();
+        let constraints = constraints.repeat(frames);
+        let mut systems = Vec::new();
+        for hands in Hands::all() {
+            let learned = model.edges.for_hands(pair, model.robot, hands);
+            let learned = if edges { learned.edges() } else { &[] };
+            let topology =
+                Topology::initial(pair.clone(), &first_frame, InitialEdges::EachPerson)?
+                    .with(learned.iter().map(|learned| learned.edge))?;
+            let topology = Arc::new(topology);
+            let between = learned.iter().filter_map(|learned| {
+                Some((topology.find(learned.edge)?, learned.factors.clone()))
+            });
+            let between = between.collect();
+            let (kernel, time) = (model.predict.kernel, model.predict.time_weight);
+            let weights = EdgeWeights::by_kernel(&topology, &positions, kernel, time);
+            let mesh = InteractionMesh::new(topology.clone(), positions.clone(), weights)?;
+            let retargeter = Retargeter::new(topology, &constraints, model.predict.retarget)?;
+            let workspace = retargeter.workspace();
+            let system = System { retargeter, workspace, mesh, between, is_factored: false };
+            systems.push((hands, system));
+        }
+        let partner_lengths = library.skeleton(Who::Partner).bones().map(|bone| {
+            let place = |joint: JointId| library.position(0, Who::Partner, 0.0, joint);
+            (place(bone.child) - place(bone.parent)).norm().max(1e-6)
+        });
+        let lengths = [robot_lengths.to_vec(), partner_lengths.collect()];
+        let joints = library.skeleton(Who::Robot).len();
+        Ok(Self {
+            systems,
+            targets: positions.clone(),
+            solved: positions.clone(),
+            positions,
+            lengths: in_order(model.robot, lengths).concat(),
+            robot_lengths: robot_lengths.to_vec(),
+            poses: vec![Point::origin(); (model.settings.future + 1) * joints],
+        })
+    }
+
+    /// The robot's joints now and at each later frame of the last window: `[m]`,
+    /// `(1 + future) × joints`, bones exact.
+    pub fn poses(&self) -> &[Point] {
+        &self.poses
+    }
+
+    /// Bends the reference to where the partner and the robot's base are.
+    ///
+    /// Without allocation.
+    ///
+    /// # Errors
+    /// [`RetargetError`] where a place is not finite or nothing known holds a joint.
+    pub fn solve(
+        &mut self,
+        model: &OnlineModel,
+        belief: &Belief,
+        scene: &Scene,
+        reference: &Reference,
+    ) -> Result<Residual, OnlineError> {
+        interleave(model, &reference.robot, &reference.partner, &mut self.positions);
+        interleave(model, &reference.robot, &scene.partner, &mut self.targets);
+        let Some((_, system)) = self.systems.iter_mut().find(|(hands, _)| *hands == belief.hands)
+        else {
+            return Err(RetargetError::Unanchored { frame: 0, joint: 0 }.into());
+        };
+        system.mesh.set_positions(&self.positions)?;
+        system.weigh(model, belief)?;
+        if !system.is_factored {
+            system.retargeter.assemble(&system.mesh, &mut system.workspace)?;
+            system.retargeter.factor(&mut system.workspace)?;
+            system.is_factored = true;
+        }
+        let System { retargeter, workspace, mesh, .. } = system;
+        let residual =
+            retargeter.solve(mesh, &self.targets, &self.lengths, workspace, &mut self.solved)?;
+        let robot = model.library.skeleton(Who::Robot);
+        let vertices = model.pair.vertices(model.robot);
+        let frames = self.solved.chunks_exact(model.pair.len()).skip(model.settings.past);
+        for (pose, frame) in self.poses.chunks_exact_mut(robot.len()).zip(frames) {
+            for (place, vertex) in pose.iter_mut().zip(vertices.clone()) {
+                *place = frame[vertex.index()];
+            }
+            project_bones(robot, &self.robot_lengths, pose);
+        }
+        Ok(residual)
+    }
+}
+
+impl System {
+    /// Gives the edges between the people their weights, and notes whether that undoes the factor.
+    fn weigh(&mut self, model: &OnlineModel, belief: &Belief) -> Result<(), OnlineError> {
+        let Self { mesh, between, is_factored, .. } = self;
+        let kernel = model.predict.kernel;
+        let vertices = model.pair.len();
+        let phases = model.edges.phases();
+        let mut changed = false;
+        for (edge, factors) in &*between {
+            let [a, b] = mesh.topology().edges()[*edge].ends();
+            for frame in 0..mesh.frames() {
+                let place = |vertex: usize| mesh.positions()[frame * vertices + vertex];
+                let distance = (place(a.index()) - place(b.index())).norm();
+                let now = (frame as f64 - model.settings.past as f64) - belief.contact;
+                let _ = now;
+                let factor = factors[phase(phases, frame, 0.0, 1).min(phases - 1)];
+                let weight = factor * kernel.weight(distance);
+                let before = mesh.weights().get(frame, *edge);
+                changed |= (weight - before).abs() > model.settings.refactor * before;
+            }
+        }
+        if !changed {
+            return Ok(());
+        }
+        *is_factored = false;
+        for (edge, factors) in &*between {
+            let [a, b] = mesh.topology().edges()[*edge].ends();
+            let positions = mesh.positions().to_vec();
+            let weights: Vec<f64> = (0..mesh.frames())
+                .map(|frame| {
+                    let place = |vertex: usize| positions[frame * vertices + vertex];
+                    let distance = (place(a.index()) - place(b.index())).norm();
+                    factors[0] * kernel.weight(distance)
+                })
+                .collect();
+            mesh.reweigh(*edge, &weights)?;
+        }
+        Ok(())
+    }
+}
+
+/// Both people's joints frame by frame, in the recordings' order.
+fn interleave(model: &OnlineModel, robot: &[Point], partner: &[Point], both: &mut [Point]) {
+    let joints = |who| model.library.skeleton(who).len();
+    let robot = robot.chunks_exact(joints(Who::Robot));
+    let partner = partner.chunks_exact(joints(Who::Partner));
+    for (frame, (robot, partner)) in
+        both.chunks_exact_mut(model.pair.len()).zip(robot.zip(partner))
+    {
+        let [first, second] = in_order(model.robot, [robot, partner]);
+        let (front, back) = frame.split_at_mut(first.len());
+        front.copy_from_slice(first);
+        back.copy_from_slice(second);
+    }
+}
+
+/// `[robot's, partner's]` → `[first person's, second person's]`.
+fn in_order<T>(robot: Role, [of_robot, of_partner]: [T; 2]) -> [T; 2] {
+    match robot {
+        Role::First => [of_robot, of_partner],
+        Role::Second => [of_partner, of_robot],
+    }
+}

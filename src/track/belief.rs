@@ -1,0 +1,34 @@
+//! What the tracker believes.
+
+use crate::demonstration::Hands;
+
+/// A demonstration that the interaction follows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Followed {
+    /// Which, by its place in the library.
+    pub exemplar: usize,
+    /// How much it counts `[-]`; all together 1.
+    pub weight: f64,
+    /// Where in it the interaction is, in frames of the grid.
+    pub frame: f64,
+    /// How much it is turned to lie on the interaction `[rad]`, about the vertical.
+    pub yaw: f64,
+}
+
+/// Where an interaction is in the demonstrations.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Belief {
+    /// The demonstrations followed, those that count most first.
+    pub followed: Vec<Followed>,
+    /// The hands that will meet.
+    pub hands: Hands,
+    /// How fast time goes, as a multiple of the demonstrations' `[-]`, 0 to 2.
+    pub tempo: f64,
+    /// How far the partner is from the demonstrations `[m]`: mean distance of a joint.
+    pub distance: f64,
+    /// Whether that is near enough to be one of the interactions demonstrated.
+    pub is_familiar: bool,
+    /// When the hands meet, in frames of the grid from now at the demonstrations' tempo; below 0
+    /// once they have.
+    pub contact: f64,
+}

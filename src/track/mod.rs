@@ -1,0 +1,20 @@
+//! Where in the demonstrations an interaction is: the partner as seen so far → a distribution over
+//! (demonstration, frame), and how far the demonstrations are to be believed at all.
+//!
+//! The path of the data: demonstrations → [`Library`] (each on one grid of time, its moments in a
+//! latent space); the partner's moment → [`Tracker::observe`] → [`Belief`]. Within a demonstration
+//! time is a hidden Markov chain that goes forward, pauses or hurries (`P(f|d) ∝ e(f) Σ P(g|d)
+//! a(f−g)`, Rabiner 1989, eq. 20); demonstrations weigh by how near the partner has kept to them
+//! of late.
+//!
+//! Uses the past alone. Knows nothing of meshes, targets or limits.
+
+mod belief;
+mod library;
+mod settings;
+mod tracker;
+
+pub use belief::{Belief, Followed};
+pub use library::{Exemplar, Library, LibraryError, Who};
+pub use settings::TrackSettings;
+pub use tracker::Tracker;
