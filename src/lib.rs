@@ -10,6 +10,7 @@ pub mod config;
 pub mod delaunay;
 pub mod demonstration;
 pub mod evaluate;
+pub mod filter;
 pub mod forecast;
 pub mod formats;
 pub mod geometry;
