@@ -21,6 +21,7 @@ pub mod model;
 pub mod motion;
 pub mod predict;
 pub mod retarget;
+pub mod safety;
 pub mod skeleton;
 pub mod statistics;
 pub mod time;
