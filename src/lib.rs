@@ -23,6 +23,7 @@ pub mod motion;
 pub mod online;
 pub mod predict;
 pub mod retarget;
+pub mod safety;
 pub mod skeleton;
 pub mod statistics;
 pub mod time;

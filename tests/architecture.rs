@@ -25,6 +25,7 @@ const LAYERS: [(&str, u32, &[&str]); 20] = [
     ("demonstration", 2, &[]),
     ("forecast", 2, &[]),
     ("filter", 2, &[]),
+    ("safety", 2, &[]),
     ("predict", 3, &[]),
     ("learn", 4, &[]),
     // Evaluation does not read parameters: that is for the shells.
