@@ -13,7 +13,6 @@
 mod body;
 mod bones;
 mod clock;
-mod filter;
 mod history;
 mod identity;
 mod partner;
@@ -21,10 +20,11 @@ mod settings;
 mod smoother;
 mod swap;
 mod tracks;
+mod update;
 
-pub use filter::Filter;
 pub use partner::Partner;
 pub use settings::{FilterError, FilterSettings};
+pub use update::Filter;
 
 use crate::geometry::{Point, is_finite};
 use crate::time::{Span, Stamp};

@@ -1,6 +1,6 @@
 //! A person who is known now, as the filter shows them.
 
-use super::filter::Filter;
+use super::update::Filter;
 use crate::geometry::{Point, Vector};
 use crate::skeleton::JointId;
 use crate::time::Stamp;

@@ -24,7 +24,7 @@ pub(super) struct Swap {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Labels {
     /// They are as given.
-    Right,
+    Given,
     /// They are exchanged for a while.
     Exchanged,
     /// They were exchanged for so long that the given ones are to be believed.
@@ -78,7 +78,7 @@ impl Swap {
             group += 1;
             if !found[group - 1] {
                 *since = None;
-                return Labels::Right;
+                return Labels::Given;
             }
             let first = *since.get_or_insert(stamp);
             let longest = settings.swap.min(seconds_since(first, started));

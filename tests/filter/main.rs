@@ -2,6 +2,7 @@
 //! makes of it.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "figures, and what was skipped")]
 
 mod clean;
 mod clocks;

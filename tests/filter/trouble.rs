@@ -89,6 +89,10 @@ fn legs_need_never_be_seen_and_arms_once() {
         }
         let partner = stream.send(time, &seen).unwrap();
         assert_eq!(partner.is_new(), time == 0.5);
+        // Nothing is kept of when the hand had no place.
+        let mut out = seen.clone();
+        partner.at(stamp(0.0), &mut out);
+        assert!((out[5] - pose(0.5)[5]).norm() < 0.02);
         let feet = [11, 14].map(|foot| partner.positions()[foot]);
         assert!(feet.iter().all(|foot| foot.z.abs() < 0.2), "{feet:?}");
     }

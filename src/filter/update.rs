@@ -67,7 +67,6 @@ impl Filter {
     /// # Panics
     /// If `settings` are out of their bounds ([`FilterSettings::check`] says so before) or `base`
     /// is no joint of the skeleton: the caller's bugs.
-    #[expect(clippy::needless_pass_by_value, reason = "whoever has an Arc hands it on")]
     pub fn new(skeleton: Arc<Skeleton>, base: JointId, settings: FilterSettings) -> Self {
         if let Err(error) = settings.check() {
             panic!("{error}");
@@ -209,7 +208,9 @@ impl Filter {
         self.known = Some([first, if is_clear { stamp } else { last }]);
         self.bones.look(&self.body, &self.seen, stamp, &self.settings);
         self.tracks.take(&self.body, &self.seen, stamp, &mut self.bones, &self.settings);
-        self.history.push(stamp, self.tracks.places.iter().copied());
+        if self.was_all_seen() {
+            self.history.push(stamp, self.tracks.places.iter().copied());
+        }
         Ok(())
     }
 
@@ -307,14 +308,17 @@ impl Filter {
         let is_held = |joint| {
             self.tracks.absence(joint, stamp).is_some_and(|absence| absence <= self.settings.bridge)
         };
-        let (mut trunk, mut held) = (0, 0);
-        for (joint, what) in self.body.joints.iter().enumerate() {
-            if !what.is_leg && self.tracks.absence(joint, stamp).is_none() {
-                return false;
-            }
-            trunk += usize::from(what.is_trunk);
-            held += usize::from(what.is_trunk && is_held(joint));
-        }
-        is_held(self.body.base) && 2 * held > trunk
+        let trunk = || (0..self.body.len()).filter(|joint| self.body.joints[*joint].is_trunk);
+        let held = trunk().filter(|joint| is_held(*joint)).count();
+        self.was_all_seen() && is_held(self.body.base) && 2 * held > trunk().count()
+    }
+
+    /// Whether every joint that is no leg's was seen at some time: before that some places are
+    /// nobody's.
+    fn was_all_seen(&self) -> bool {
+        let stamp = self.tracks.stamp();
+        let is_needed = |joint: &usize| !self.body.joints[*joint].is_leg;
+        let mut needed = (0..self.body.len()).filter(is_needed);
+        needed.all(|joint| self.tracks.absence(joint, stamp).is_some())
     }
 }
