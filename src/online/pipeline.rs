@@ -192,8 +192,8 @@ impl Pipeline {
         if partner.is_fresh() {
             perception.see(model, partner.stamp(), partner.positions(), base);
         }
-        let scene = perception
-            .look(model, input.now, base, |stamp, places| partner.at(stamp, places));
+        let scene =
+            perception.look(model, input.now, base, |stamp, places| partner.at(stamp, places));
         self.body = Some(body(model, scene.now(model)));
         if perception.belief().followed.is_empty() {
             return Err(HoldReason::NoPartner);

@@ -60,7 +60,14 @@ impl Reference {
             let ahead = at as f64 - model.settings.past as f64;
             let ahead = if ahead > 0.0 { ahead * belief.tempo } else { ahead };
             mean_pose(&model.library, &belief.followed, Who::Robot, ahead, scene.robot_base, robot);
-            mean_pose(&model.library, &belief.followed, Who::Partner, ahead, seen[partner_base], partner);
+            mean_pose(
+                &model.library,
+                &belief.followed,
+                Who::Partner,
+                ahead,
+                seen[partner_base],
+                partner,
+            );
             if holds_gap {
                 hold_gap(model, belief, ahead, seen, robot, partner);
             }

@@ -172,8 +172,7 @@ impl Tracker {
             let place = |who| library.position(at, who, state.frame, library.base(who));
             let there = place(Who::Partner) - place(Who::Robot);
             let here = partner_base - robot_base;
-            let turn =
-                [there.x * here.x + there.y * here.y, there.x * here.y - there.y * here.x];
+            let turn = [there.x * here.x + there.y * here.y, there.x * here.y - there.y * here.x];
             for (kept, new) in state.turn.iter_mut().zip(turn) {
                 *kept += forgotten * (new - *kept);
             }
@@ -206,9 +205,7 @@ impl Tracker {
     fn choose(&mut self, library: &Library, nearest: f64, forgotten: f64) {
         let Self { states, order, belief, .. } = self;
         let exemplars = library.exemplars();
-        order.sort_unstable_by(|a, b| {
-            states[*a].cost.total_cmp(&states[*b].cost).then(a.cmp(b))
-        });
+        order.sort_unstable_by(|a, b| states[*a].cost.total_cmp(&states[*b].cost).then(a.cmp(b)));
         let most = library.settings().demonstrations.min(order.len());
         let weight = |at: usize| states[at].cost.max(1e-6).powi(-2);
         let votes = |hands: Hands| -> f64 {
