@@ -48,7 +48,7 @@ impl Shape {
         // The period is of no use to a stop computed as a whole.
         let mut planner = Ruckig::<1, ThrowErrorHandler>::new(None, 0.01);
         planner.calculate(&input, &mut trajectory).map_err(|_| SafetyError::Brake)?;
-        let profile = trajectory.profiles.first().ok_or(SafetyError::Brake)?[0].clone();
+        let profile = trajectory.profiles.first().ok_or(SafetyError::Brake)?[0];
         let full: f64 = profile.t.iter().sum();
         Self::from_phases(&profile.t, &profile.j, settings.speed, full).ok_or(SafetyError::Brake)
     }
