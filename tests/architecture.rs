@@ -27,7 +27,9 @@ const LAYERS: [(&str, u32, &[&str]); 20] = [
     ("filter", 2, &[]),
     ("safety", 2, &[]),
     ("predict", 3, &[]),
+    ("track", 3, &[]),
     ("learn", 4, &[]),
+    ("online", 4, &[]),
     // Evaluation does not read parameters: that is for the shells.
     ("config", 5, &[]),
     ("evaluate", 5, &[]),
