@@ -82,8 +82,15 @@ impl Tracker {
         self.last = None;
         self.rest = 0.0;
         for exemplar in library.exemplars() {
-            let share = 1.0 / exemplar.len() as f64;
-            self.chances[exemplar.rows.clone()].fill(share);
+            let chances = &mut self.chances[exemplar.rows.clone()];
+            let fall = (-library.step().seconds() / library.settings().start).exp();
+            let mut chance = 1.0;
+            for place in &mut *chances {
+                *place = chance;
+                chance *= fall;
+            }
+            let total: f64 = chances.iter().sum();
+            chances.iter_mut().for_each(|chance| *chance /= total);
         }
         self.belief.followed.clear();
         self.belief.distance = f64::INFINITY;
@@ -128,7 +135,9 @@ impl Tracker {
         let whole = ((self.rest + elapsed) / grid).round();
         self.rest += elapsed - whole * grid;
         let settings = library.settings();
-        let precision = 0.5 / (settings.spread * settings.spread);
+        // Two looks a frame tell no more than one: what is off is off in both.
+        let looks = if is_first { 1.0 } else { (elapsed / grid).min(1.0) };
+        let precision = 0.5 * looks / (settings.spread * settings.spread);
         let forgotten = if is_first { 1.0 } else { 1.0 - (-elapsed / settings.memory).exp() };
         let paced = 1.0 - (-elapsed / settings.pace_memory).exp();
         let partner_base = moment.positions()[moment.root().index()];
