@@ -26,7 +26,7 @@ pub struct TrackSettings {
     pub pause: f64,
     /// See [`Self::pause`].
     pub hurry: f64,
-    /// How likely time is anywhere else in the demonstration, per frame `[-]`, 0 to 0.5.
+    /// How likely the interaction begins anew, per frame `[-]`, 0 to 0.5.
     pub leap: f64,
     /// How long ago still counts for which demonstrations are followed `[s]`, > 0.
     pub memory: f64,
