@@ -48,7 +48,7 @@ impl Default for OnlineSettings {
             past: 2,
             future: 15,
             trust: 0.5,
-            contact_hold: 0.0,
+            contact_hold: 0.4,
             refactor: 1e-3,
         }
     }
