@@ -1,15 +1,22 @@
-//! Once a workspace is made, assembling, factoring, solving, asking a motion model and forecasting
-//! allocate nothing.
+//! Once a workspace is made, assembling, factoring, solving, asking a motion model, forecasting and
+//! whole ticks allocate nothing.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
+#[allow(dead_code, reason = "shared with tests and benches that use other parts")]
+#[path = "common/handovers.rs"]
+mod handovers;
+
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use handover_mesh::filter::Sighting;
 use handover_mesh::forecast::{ForecastMethod, ForecastSettings, Forecaster, Moment};
 use handover_mesh::mesh::{EdgeWeights, InitialEdges, InteractionMesh, Kernel, Pair, Topology};
 use handover_mesh::motion::{MotionModel, MotionSettings, Neighbourhood, Rows};
+use handover_mesh::online::{OnlineSettings, TickInput};
 use handover_mesh::retarget::{Constraint, RetargetSettings, Retargeter, Start, Transform};
-use handover_mesh::{Frame, Point, Sequence, Skeleton, Stamp};
+use handover_mesh::{Frame, Point, Sequence, Side, Skeleton, Stamp};
 
 #[test]
 fn solves_allocate_nothing() {
@@ -102,4 +109,63 @@ fn forecasts_allocate_nothing() {
             assert_eq!(allocations.count_total, 0, "{simplex_dimensions}, {now}: {allocations:?}");
         }
     }
+}
+
+/// Ticks at 100 Hz, sightings at 30 Hz; in every four seconds another handover, with the hands of
+/// another side, half a second without the partner, joints that are lost, and one that is called
+/// off.
+#[test]
+fn ticks_allocate_nothing() {
+    const TICK: i64 = 10_000_000;
+    let demonstrations = handovers::demonstrations(6);
+    let mut ticks = 0;
+    for (transform, count) in
+        [(Transform::None, 6_000), (Transform::LocalGlobal, 2_500), (Transform::Implicit, 1_500)]
+    {
+        let settings = OnlineSettings::default();
+        let model = handovers::model(demonstrations.clone(), transform, settings);
+        let robot = handovers::Handover::new(100).giver(0.0);
+        let mut pipeline = handovers::pipeline(&model, &robot);
+        let (mut hands, mut reasons) = (BTreeSet::new(), BTreeSet::new());
+        let (mut solved, mut frame) = (0, -1);
+        for tick in 0..count {
+            let now = tick * TICK;
+            let (seconds, cycle) = (now as f64 / 1e9 % 4.0, now / 4_000_000_000);
+            let handover = handovers::Handover::new(100 + cycle as u64);
+            let side = if cycle % 2 == 0 { Side::Right } else { Side::Left };
+            let mut places = handover.with_hands(side, side).receiver(seconds);
+            if (0.8..1.0).contains(&seconds) {
+                places[4..9].fill(Point::new(f64::NAN, f64::NAN, f64::NAN));
+            }
+            let is_seen = frame != now / handovers::FRAME && !(2.5..3.0).contains(&seconds);
+            frame = now / handovers::FRAME;
+            let stamp = Stamp(frame * handovers::FRAME);
+            let sighting =
+                Sighting { stamp, body: Some(1), positions: &places, confidences: &[0.9; 15] };
+            let input = TickInput {
+                now: Stamp(now),
+                sighting: is_seen.then_some(sighting),
+                robot: Some(&robot),
+            };
+            let mut said = (model.library().exemplars()[0].hands, None, false);
+            let allocations = allocation_counter::measure(|| {
+                if cycle % 2 == 1 && (3.0..3.01).contains(&seconds) {
+                    pipeline.cancel();
+                }
+                if cycle % 2 == 1 && (3.5..3.51).contains(&seconds) {
+                    pipeline.reset();
+                }
+                let tick = pipeline.tick(&input);
+                said = (tick.belief.hands, tick.reason, tick.solved.is_some());
+            });
+            assert_eq!(allocations.count_total, 0, "{transform:?}, tick {tick}: {allocations:?}");
+            hands.insert(said.0);
+            reasons.insert(said.1);
+            solved += i64::from(said.2);
+            ticks += 1;
+        }
+        println!("{transform:?}: {solved} solved of {count}, {hands:?}, {reasons:?}");
+        assert!(solved > count / 2 && hands.len() > 1 && reasons.len() > 2);
+    }
+    assert_eq!(ticks, 10_000);
 }

@@ -18,6 +18,11 @@ impl Hands {
         let sides = Side::BOTH.into_iter();
         sides.flat_map(|robot| Side::BOTH.map(|partner| Self { robot, partner }))
     }
+
+    /// The place in [`Self::all`], below 4.
+    pub fn index(self) -> usize {
+        2 * self.robot as usize + self.partner as usize
+    }
 }
 
 /// The moment a pair of hands is closest.
@@ -53,5 +58,15 @@ impl Contact {
     pub fn closest(recording: &Recording, robot: Role) -> Option<Self> {
         let contacts = Hands::all().filter_map(|hands| Self::of(recording, robot, hands));
         contacts.min_by(|a, b| a.distance.total_cmp(&b.distance))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hands_know_their_place() {
+        assert!(Hands::all().map(Hands::index).eq(0..4));
     }
 }

@@ -47,7 +47,7 @@ pub struct OnlineModel {
     pub(super) robot: Role,
     pub(super) predict: PredictSettings,
     pub(super) settings: OnlineSettings,
-    /// Per pair of hands, in [`Hands::all`]'s order.
+    /// Per pair of hands, by [`Hands::index`].
     gaps: [Vector; 4],
 }
 
@@ -64,8 +64,8 @@ impl OnlineModel {
         let root = demonstrations[0].partner_base();
         let forecaster = Forecaster::fit(&motions, root, settings.forecast.clone())?;
         let mut gaps = [Vector::zeros(); 4];
-        for (gap, hands) in gaps.iter_mut().zip(Hands::all()) {
-            *gap = predictor.mean_gap(hands);
+        for hands in Hands::all() {
+            gaps[hands.index()] = predictor.mean_gap(hands);
         }
         Ok(Self {
             library,
@@ -87,8 +87,7 @@ impl OnlineModel {
     /// The mean gap of the demonstrations in which these hands met `[m]`: robot's hand minus
     /// partner's, in the partner's heading frame.
     pub fn gap(&self, hands: Hands) -> Vector {
-        let at = Hands::all().position(|known| known == hands).unwrap_or(0);
-        self.gaps[at]
+        self.gaps[hands.index()]
     }
 
     /// How demonstrations become predictions.

@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use super::{OnlineError, OnlineModel, Perception, Reference, Window};
 use crate::filter::{Doubt, Filter, Sighting};
-use crate::geometry::{Point, is_finite};
+use crate::geometry::Point;
 use crate::retarget::Residual;
-use crate::safety::{HoldReason, PartnerBody, Proposal, SafetyGate, Target};
+use crate::safety::{HoldReason, PartnerBody, Proposal, SafetyGate, Target, is_place};
 use crate::skeleton::{JointId, Part};
 use crate::time::Stamp;
 use crate::track::{Belief, Who};
@@ -136,7 +136,12 @@ impl Pipeline {
             self.take_robot(robot, input.now);
         }
         self.residual = None;
-        let proposed = self.propose(input);
+        let seen = self.look(input);
+        let proposed = if self.is_cancelled {
+            Err(HoldReason::Cancelled)
+        } else {
+            seen.and_then(|()| self.propose())
+        };
         let proposal = match proposed {
             Ok(()) => {
                 Proposal::Move { poses: self.window.poses(), step: self.model.library.step() }
@@ -144,8 +149,8 @@ impl Pipeline {
             Err(reason) => Proposal::Hold(reason),
         };
         let target = self.gate.admit(proposal, self.body.as_ref(), input.now);
-        let joints = [Who::Robot, Who::Partner].map(|who| self.model.library.skeleton(who).len());
-        let past = self.model.settings.past;
+        let (joints, past) =
+            (self.model.library.skeleton(Who::Robot).len(), self.model.settings.past);
         let (reference, poses) = (&self.reference.robot, self.window.poses());
         Tick {
             target,
@@ -153,14 +158,10 @@ impl Pipeline {
                 (None, _) => Some(HoldReason::NoRobot),
                 (Some(target), _) => target.reason(),
             },
-            partner: self
-                .filter
-                .partner()
-                .is_ok()
-                .then(|| &self.perception.scene().partner[past * joints[1]..][..joints[1]]),
+            partner: seen.is_ok().then(|| self.perception.scene().now(&self.model)),
             belief: self.perception.belief(),
             solved: self.residual.map(|residual| Solved {
-                reference: &reference[past * joints[0]..][..joints[0]],
+                reference: &reference[past * joints..][..joints],
                 poses,
                 residual,
             }),
@@ -169,7 +170,7 @@ impl Pipeline {
 
     fn take_robot(&mut self, robot: &[Point], now: Stamp) {
         let base = robot[self.model.library.base(Who::Robot).index()];
-        if is_finite(&base) {
+        if is_place(&base) {
             self.robot_base = Some(base);
         }
         if !self.gate.is_started() {
@@ -177,13 +178,10 @@ impl Pipeline {
         }
     }
 
-    /// Fills the window's poses, or says why there are none.
-    fn propose(&mut self, input: &TickInput<'_>) -> Result<(), HoldReason> {
-        let Self { model, filter, perception, reference, window, .. } = self;
+    /// Takes in the partner and lays out where they are over the window, or says why nobody knows.
+    fn look(&mut self, input: &TickInput<'_>) -> Result<(), HoldReason> {
+        let Self { model, filter, perception, .. } = self;
         let partner = filter.update(input.sighting.as_ref(), input.now);
-        if self.is_cancelled {
-            return Err(HoldReason::Cancelled);
-        }
         let partner = partner.map_err(|doubt| reason(doubt, model.settings.stop_after))?;
         let base = self.robot_base.ok_or(HoldReason::NoRobot)?;
         if partner.is_new() {
@@ -195,6 +193,12 @@ impl Pipeline {
         let scene =
             perception.look(model, input.now, base, |stamp, places| partner.at(stamp, places));
         self.body = Some(body(model, scene.now(model)));
+        Ok(())
+    }
+
+    /// Fills the window's poses, or says why there are none.
+    fn propose(&mut self) -> Result<(), HoldReason> {
+        let Self { model, perception, reference, window, .. } = self;
         if perception.belief().followed.is_empty() {
             return Err(HoldReason::NoPartner);
         }

@@ -57,8 +57,7 @@ impl Reference {
         let rows = rows.zip(self.partner.chunks_exact_mut(partner_joints));
         let seen = scene.partner.chunks_exact(partner_joints);
         for (at, ((robot, partner), seen)) in rows.zip(seen).enumerate() {
-            let ahead = at as f64 - model.settings.past as f64;
-            let ahead = if ahead > 0.0 { ahead * belief.tempo } else { ahead };
+            let ahead = ahead(model, belief, at);
             mean_pose(&model.library, &belief.followed, Who::Robot, ahead, scene.robot_base, robot);
             mean_pose(
                 &model.library,
@@ -73,6 +72,13 @@ impl Reference {
             }
         }
     }
+}
+
+/// How far a frame of the window is from where the demonstrations followed are believed to be, in
+/// frames of theirs: those to come pass at the interaction's tempo.
+pub(super) fn ahead(model: &OnlineModel, belief: &Belief, frame: usize) -> f64 {
+    let ahead = frame as f64 - model.settings.past as f64;
+    if ahead > 0.0 { ahead * belief.tempo } else { ahead }
 }
 
 /// The weighted mean of the demonstrations followed, `ahead` frames of the grid from where they are

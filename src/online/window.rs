@@ -6,14 +6,15 @@
 
 use std::sync::Arc;
 
+use super::reference::ahead;
 use super::{OnlineError, OnlineModel, Reference, Scene};
 use crate::demonstration::Hands;
 use crate::geometry::Point;
-use crate::mesh::{EdgeWeights, InitialEdges, InteractionMesh, Topology};
+use crate::mesh::{EdgeWeights, InitialEdges, InteractionMesh, Topology, Vertex};
 use crate::predict::phase;
-use crate::retarget::{Constraint, Residual, RetargetError, Retargeter, Workspace, project_bones};
+use crate::retarget::{Constraint, Residual, Retargeter, Transform, Workspace, project_bones};
 use crate::skeleton::{JointId, Role};
-use crate::track::{Belief, Who};
+use crate::track::{Belief, Followed, Who};
 
 /// One pair of hands' mesh: who neighbours whom, and the room to solve it.
 #[derive(Debug, Clone)]
@@ -21,15 +22,27 @@ struct System {
     retargeter: Retargeter,
     workspace: Workspace,
     mesh: InteractionMesh,
-    /// Edges between the people: their place in the topology, and their factors per phase.
-    between: Vec<(usize, Vec<f64>)>,
+    between: Vec<Between>,
     is_factored: bool,
+}
+
+/// An edge between the people.
+#[derive(Debug, Clone)]
+struct Between {
+    /// Its place in the topology.
+    edge: usize,
+    ends: [usize; 2],
+    /// What the kernel's weight is multiplied by `[-]`, one per phase of the interaction.
+    factors: Vec<f64>,
+    /// Its weights as of now `[-]`, one per frame: room to find out whether they changed.
+    weights: Vec<f64>,
 }
 
 /// Solves windows; all it needs it holds.
 #[derive(Debug, Clone)]
 pub struct Window {
-    systems: Vec<(Hands, System)>,
+    /// One for each pair of hands, by [`Hands::index`].
+    systems: Vec<System>,
     positions: Vec<Point>,
     targets: Vec<Point>,
     solved: Vec<Point>,
@@ -79,7 +92,12 @@ impl Window {
                 .with(learned.iter().map(|learned| learned.edge))?;
             let topology = Arc::new(topology);
             let between = learned.iter().filter_map(|learned| {
-                Some((topology.find(learned.edge)?, learned.factors.clone()))
+                Some(Between {
+                    edge: topology.find(learned.edge)?,
+                    ends: learned.edge.ends().map(Vertex::index),
+                    factors: learned.factors.clone(),
+                    weights: vec![0.0; frames],
+                })
             });
             let between = between.collect();
             let (kernel, time) = (model.predict.kernel, model.predict.time_weight);
@@ -87,8 +105,7 @@ impl Window {
             let mesh = InteractionMesh::new(topology.clone(), positions.clone(), weights)?;
             let retargeter = Retargeter::new(topology, &constraints, model.predict.retarget)?;
             let workspace = retargeter.workspace();
-            let system = System { retargeter, workspace, mesh, between, is_factored: false };
-            systems.push((hands, system));
+            systems.push(System { retargeter, workspace, mesh, between, is_factored: false });
         }
         let partner_lengths = library.skeleton(Who::Partner).bones().map(|bone| {
             let place = |joint: JointId| library.position(0, Who::Partner, 0.0, joint);
@@ -118,7 +135,7 @@ impl Window {
     /// Without allocation.
     ///
     /// # Errors
-    /// [`RetargetError`] where a place is not finite or nothing known holds a joint.
+    /// [`OnlineError`] where a place is not finite or nothing known holds a joint.
     pub fn solve(
         &mut self,
         model: &OnlineModel,
@@ -128,13 +145,13 @@ impl Window {
     ) -> Result<Residual, OnlineError> {
         interleave(model, &reference.robot, &reference.partner, &mut self.positions);
         interleave(model, &reference.robot, &scene.partner, &mut self.targets);
-        let Some((_, system)) = self.systems.iter_mut().find(|(hands, _)| *hands == belief.hands)
-        else {
-            return Err(RetargetError::Unanchored { frame: 0, joint: 0 }.into());
-        };
+        let system = &mut self.systems[belief.hands.index()];
         system.mesh.set_positions(&self.positions)?;
         system.weigh(model, belief)?;
-        if !system.is_factored {
+        // The rows of an implicit transform hold the reference itself, which every tick changes.
+        if !system.is_factored || model.predict.retarget.transform == Transform::Implicit {
+            // Only a system whose factorisation succeeded counts as factored.
+            system.is_factored = false;
             system.retargeter.assemble(&system.mesh, &mut system.workspace)?;
             system.retargeter.factor(&mut system.workspace)?;
             system.is_factored = true;
@@ -157,43 +174,43 @@ impl Window {
 
 impl System {
     /// Gives the edges between the people their weights, and notes whether that undoes the factor.
+    ///
+    /// Weights that changed by less than [`super::OnlineSettings::refactor`] stay as they were.
     fn weigh(&mut self, model: &OnlineModel, belief: &Belief) -> Result<(), OnlineError> {
-        let Self { mesh, between, is_factored, .. } = self;
         let kernel = model.predict.kernel;
         let vertices = model.pair.len();
-        let phases = model.edges.phases();
         let mut changed = false;
-        for (edge, factors) in &*between {
-            let [a, b] = mesh.topology().edges()[*edge].ends();
-            for frame in 0..mesh.frames() {
-                let place = |vertex: usize| mesh.positions()[frame * vertices + vertex];
-                let distance = (place(a.index()) - place(b.index())).norm();
-                let now = (frame as f64 - model.settings.past as f64) - belief.contact;
-                let _ = now;
-                let factor = factors[phase(phases, frame, 0.0, 1).min(phases - 1)];
-                let weight = factor * kernel.weight(distance);
-                let before = mesh.weights().get(frame, *edge);
-                changed |= (weight - before).abs() > model.settings.refactor * before;
+        for Between { edge, ends, factors, weights } in &mut self.between {
+            let places = self.mesh.positions().chunks_exact(vertices);
+            for (frame, (weight, places)) in weights.iter_mut().zip(places).enumerate() {
+                let distance = (places[ends[0]] - places[ends[1]]).norm();
+                *weight = factor(model, belief, factors, frame) * kernel.weight(distance);
+                let before = self.mesh.weights().get(frame, *edge);
+                changed |= (*weight - before).abs() > model.settings.refactor * before;
             }
         }
-        if !changed {
-            return Ok(());
-        }
-        *is_factored = false;
-        for (edge, factors) in &*between {
-            let [a, b] = mesh.topology().edges()[*edge].ends();
-            let positions = mesh.positions().to_vec();
-            let weights: Vec<f64> = (0..mesh.frames())
-                .map(|frame| {
-                    let place = |vertex: usize| positions[frame * vertices + vertex];
-                    let distance = (place(a.index()) - place(b.index())).norm();
-                    factors[0] * kernel.weight(distance)
-                })
-                .collect();
-            mesh.reweigh(*edge, &weights)?;
+        if changed {
+            self.is_factored = false;
+            for between in &self.between {
+                self.mesh.reweigh(between.edge, &between.weights)?;
+            }
         }
         Ok(())
     }
+}
+
+/// The factor of an edge's weight in a frame of the window: the mean over the demonstrations
+/// followed, each at the phase that it is believed to be in by then.
+///
+/// - `factors`: one per phase.
+fn factor(model: &OnlineModel, belief: &Belief, factors: &[f64], frame: usize) -> f64 {
+    let ahead = ahead(model, belief, frame);
+    let of_one = |followed: &Followed| {
+        let exemplar = &model.library.exemplars()[followed.exemplar];
+        let at = followed.frame + ahead;
+        followed.weight * factors[phase(factors.len(), at, exemplar.contact, exemplar.len())]
+    };
+    belief.followed.iter().map(of_one).sum()
 }
 
 /// Both people's joints frame by frame, in the recordings' order.

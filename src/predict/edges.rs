@@ -172,13 +172,14 @@ pub fn edge_for_hands(edge: Edge, pair: &Pair, robot: Role, from: Hands, to: Han
 /// of the interaction; its parts are equal, so that an odd number of them has the contact in the
 /// middle one.
 ///
+/// - `frame`: fractional; those before the first belong to its part, those after the last to its.
 /// - `contact`: the frame (fractional) at which the hands meet.
-pub fn phase(phases: usize, frame: usize, contact: f64, frames: usize) -> usize {
-    let (at, last) = (frame as f64, frames.saturating_sub(1) as f64);
-    let share = if at < contact {
-        0.5 * at / contact
+pub fn phase(phases: usize, frame: f64, contact: f64, frames: usize) -> usize {
+    let last = frames.saturating_sub(1) as f64;
+    let share = if frame < contact {
+        0.5 * frame / contact
     } else if last > contact {
-        0.5 + 0.5 * (at - contact) / (last - contact)
+        0.5 + 0.5 * (frame - contact) / (last - contact)
     } else {
         0.5
     };

@@ -104,7 +104,7 @@ impl Problem {
 
     /// Which of `phases` parts of the interaction a frame belongs to.
     pub fn phase(&self, phases: usize, frame: usize) -> usize {
-        phase(phases, frame, self.contact, self.frames())
+        phase(phases, frame as f64, self.contact, self.frames())
     }
 
     /// The edges of the first frame's Delaunay tetrahedra.

@@ -35,5 +35,6 @@ mod target;
 pub use gate::{Proposal, SafetyGate};
 pub use hold::HoldReason;
 pub use partner::PartnerBody;
+pub(crate) use partner::is_place;
 pub use settings::{SafetyError, SafetySettings};
 pub use target::Target;

@@ -20,7 +20,7 @@ pub(super) const PARTS: usize = 2;
 pub(super) const FARTHEST: f64 = 1e4;
 
 /// Whether a place is one: finite, and within [`FARTHEST`] of the origin in each direction.
-pub(super) fn is_place(point: &Point) -> bool {
+pub(crate) fn is_place(point: &Point) -> bool {
     is_finite(point) && point.coords.amax() <= FARTHEST
 }
 
