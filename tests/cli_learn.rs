@@ -1,8 +1,8 @@
-//! `handover learn` and `handover replay` of a model as a user meets them: the real process, its
-//! files, its exit code and its words.
+//! `handover learn` as a user meets it: the real process, its files, its exit code and its words.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
+#[expect(dead_code, reason = "what the figures are called is for other tests")]
 #[path = "common/clips.rs"]
 mod clips;
 mod common;
@@ -12,7 +12,7 @@ use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
-use clips::{FIGURES, FRAMES, METHODS, clips, keys};
+use clips::{clips, keys};
 use common::{check, check_json};
 use serde_json::{Value, json};
 use tempfile::TempDir;
