@@ -18,9 +18,18 @@ use handover_mesh::{Frame, Person, Recording, Role, Sequence, Stamp, Vector};
 use serde_json::{Map, Value, json};
 use tempfile::TempDir;
 
-/// Few references and few steps, all of which are taken: the least that has everything.
-const SETTINGS: [&str; 6] =
-    ["--set", "learn.references=1", "--set", "learn.tolerance=0", "--set", "learn.steps=3"];
+/// Few references and few steps, all of which are taken: the least that has everything; and no
+/// more latent dimensions than clean made-up moments span.
+const SETTINGS: [&str; 8] = [
+    "--set",
+    "learn.references=1",
+    "--set",
+    "learn.tolerance=0",
+    "--set",
+    "learn.steps=3",
+    "--set",
+    "track.dimensions=4",
+];
 /// What is said beside the figures.
 const SAID: [&str; 9] = [
     "recording",
@@ -112,7 +121,7 @@ fn what_nobody_knows_is_null() {
     let ignored = "evaluate.ignored_joints=[head,neck,left_shoulder,left_elbow,left_hand,\
         right_shoulder,right_elbow,right_hand]";
     let arguments = ["clips", "clips/0.csv", "--method", "none", "--set", ignored];
-    let found = replay(&folder, &arguments);
+    let found = replay(&folder, &[&arguments[..], &SETTINGS].concat());
     assert!(found["joint_cm"].is_null() && found["hand_cm"].is_number(), "{found:?}");
 }
 
@@ -121,12 +130,12 @@ fn what_nobody_knows_is_null() {
 fn a_replay_is_one_clip_of_an_evaluation() {
     let folder = clips(4);
     let evaluate = ["evaluate", "clips", "--protocol", "leave_one_out", "--json"];
-    let evaluate = [&evaluate[..], &["--methods", "knn,attach,none"]].concat();
+    let evaluate = [&evaluate[..], &["--methods", "knn,attach,none"], &SETTINGS].concat();
     for (of_evaluate, of_replay) in [(&["--causal"][..], &[][..]), (&[], &["--whole"])] {
         let all = check_json(&folder, &[&evaluate[..], of_evaluate].concat(), 0);
         for method in ["knn", "attach", "none"] {
             let one = ["clips", "clips/1.csv", "--method", method];
-            let one = replay(&folder, &[&one[..], of_replay].concat());
+            let one = replay(&folder, &[&one[..], of_replay, &SETTINGS].concat());
             let clip = &all["clips"][1]["methods"][method];
             assert!(FIGURES.iter().all(|figure| clip[figure] == one[*figure]), "{clip} {one:?}");
         }
@@ -288,7 +297,7 @@ fn usage_errors_say_what_there_is() {
 #[test]
 fn the_robots_parameters_win_over_a_models() {
     let folder = clips(3);
-    let settings = ["--method", "none", "--set", "safety.lead=0.02", "--set", "safety.aim=0.06"];
+    let settings = ["--method", "none", "--set", "safety.lead=0.02", "--set", "safety.aim=0.4"];
     check(&folder, &learn(&settings), 0, &[]);
     let replay = |more: &[&str], code: i32, words: &[&str]| {
         let arguments = ["replay", "m.safetensors", "clips/0.csv", "-o", "t.jsonl"];
@@ -297,11 +306,11 @@ fn the_robots_parameters_win_over_a_models() {
         if code == 0 { parameters() } else { Value::Null }
     };
     let own = replay(&[], 0, &[]);
-    assert_eq!((&own["safety.lead"], &own["safety.aim"]), (&json!(0.02), &json!(0.06)));
-    // Checked beside the model's own lead, not beside the default's.
-    let aimed = replay(&["--set", "safety.aim=0.04"], 0, &[]);
-    assert_eq!((&aimed["safety.lead"], &aimed["safety.aim"]), (&json!(0.02), &json!(0.04)));
-    replay(&["--set", "safety.aim=0.01"], 2, &["safety.aim is 0.01, must be"]);
+    assert_eq!((&own["safety.lead"], &own["safety.aim"]), (&json!(0.02), &json!(0.4)));
+    // Checked beside the model's own aim, not beside the default's.
+    let leading = replay(&["--set", "safety.lead=0.3"], 0, &[]);
+    assert_eq!((&leading["safety.lead"], &leading["safety.aim"]), (&json!(0.3), &json!(0.4)));
+    replay(&["--set", "safety.lead=0.45"], 2, &["safety.aim is 0.4, must be at least"]);
     let write = |text: &str| fs::write(folder.path().join("p.yaml"), text).unwrap();
     write("/**:\n  ros__parameters:\n    filter: {stale: 0.3}\n    mesh: {scale: 30}\n");
     let filtered = replay(&["--config", "p.yaml", "--set", "tick.rate=60"], 0, &[]);
@@ -321,6 +330,7 @@ fn the_robots_parameters_win_over_a_models() {
 fn a_replayed_robot_keeps_its_bones() {
     let folder = clips(4);
     let arguments = ["replay", "clips", "clips/2.csv", "-o", "out.csv"];
+    let arguments = [&arguments[..], &SETTINGS].concat();
     check(&folder, &arguments, 0, &["2: 24 frames, the robot is giver, method mesh", "out.csv"]);
     check(&folder, &["check", "out.csv"], 0, &["24 frames", "pair=second"]);
     let (truth, replayed) = (read(&folder, "clips/2.csv"), read(&folder, "out.csv"));
@@ -338,14 +348,17 @@ fn a_replayed_robot_keeps_its_bones() {
 #[test]
 fn a_replay_does_not_learn_from_its_own_recording() {
     let folder = clips(4);
-    let among = replay(&folder, &["clips", "clips/2.csv"]);
+    let by = |demonstrations| {
+        replay(&folder, &[&[demonstrations, "clips/2.csv"], &SETTINGS[..]].concat())
+    };
+    let among = by("clips");
     assert_eq!(among["demonstrations"], 3);
     fs::create_dir(folder.path().join("others")).unwrap();
     for name in ["0.csv", "1.csv", "3.csv"] {
         let at = |part: &str| folder.path().join(part).join(name);
         fs::copy(at("clips"), at("others")).unwrap();
     }
-    assert_eq!(among, replay(&folder, &["others", "clips/2.csv"]));
+    assert_eq!(among, by("others"));
 }
 
 #[test]
@@ -359,7 +372,8 @@ fn replay_takes_one_recording() {
 fn the_same_scene_under_another_path_is_not_learnt_from() {
     let folder = clips(3);
     fs::copy(folder.path().join("clips/0.csv"), folder.path().join("copy.csv")).unwrap();
-    let found = check_json(&folder, &["replay", "clips", "copy.csv", "--json"], 0);
+    let by_clips = |recording| replay(&folder, &[&["clips", recording], &SETTINGS[..]].concat());
+    let found = by_clips("copy.csv");
     assert_eq!(found["demonstrations"], 2, "the copy's original is left out");
     check(&folder, &["replay", "clips/0.csv", "copy.csv"], 1, &["not learn from itself"]);
 
@@ -369,7 +383,7 @@ fn the_same_scene_under_another_path_is_not_learnt_from() {
         let path = folder.path().join(format!("clips/{view}.csv"));
         fs::write(path, format!("# scene=studio\n{text}")).unwrap();
     }
-    let found = check_json(&folder, &["replay", "clips", "clips/left.csv", "--json"], 0);
+    let found = by_clips("clips/left.csv");
     assert_eq!(found["demonstrations"], 2, "neither the other view nor the same people");
     fs::remove_file(folder.path().join("clips/2.csv")).unwrap();
     fs::remove_file(folder.path().join("clips/1.csv")).unwrap();
@@ -421,5 +435,5 @@ fn a_model_brings_its_own_parameters_and_role() {
     replay(&[], 1, &["m.safetensors: no safetensors file"]);
     let alone = ["replay", "clips/0.csv", "clips/1.csv"];
     check(&folder, &alone, 1, &["cannot learn the edges", "two groups", "--method none"]);
-    check(&folder, &[&alone[..], &["--method", "none"]].concat(), 0, &[]);
+    check(&folder, &[&alone[..], &["--method", "none"], &SETTINGS].concat(), 0, &[]);
 }
