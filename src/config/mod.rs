@@ -401,7 +401,8 @@ mod tests {
         let numbers = default.as_f64().map(|n| [n / 2.0, n + 0.1]).into_iter().flatten();
         let whole = default.as_u64().map(|n| n + 1).map(Value::from);
         let words = ["uniform", "implicit", "soft", "neck", "grow", "none", "knn"].map(Value::from);
-        let others = [Value::from(true), Value::from(false), vec!["head"].into()];
+        let space = vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+        let others = [true.into(), false.into(), vec!["head"].into(), Value::from(space)];
         let candidates = numbers
             .map(Value::from)
             .chain(whole)
