@@ -71,13 +71,16 @@ impl TraceHeader<'_> {
 /// # use handover_mesh::demonstration::Demonstration;
 /// # use handover_mesh::formats::{UpAxis, csv};
 /// # use handover_mesh::predict::{PredictSettings, Predictor};
+/// # use handover_mesh::track::TrackSettings;
 /// # let demonstration = |far: f64| {
 /// #     let mut text = "frame,time_s,person,joint,x,y,z\n".to_owned();
 /// #     for frame in 0..40 {
 /// #         let reach = 0.1 + far * (1.0 - (f64::from(frame) / 20.0 - 1.0).abs());
 /// #         for (person, place, towards) in [("giver", 0.0, 1.0), ("receiver", 1.2, -1.0)] {
-/// #             let arm = [("right_elbow", reach / 2.0, 1.2), ("right_hand", reach, 1.1)];
-/// #             let body = [("neck", 0.0, 1.5), ("torso", 0.0, 1.2), ("right_shoulder", 0.0, 1.4)];
+/// #             let height = 1.1 + far * (f64::from(frame) / 7.0).sin() / 5.0;
+/// #             let arm = [("right_elbow", reach / 2.0, 1.2), ("right_hand", reach, height)];
+/// #             let lean = (f64::from(frame) / 11.0).sin() / 20.0;
+/// #             let body = [("neck", lean, 1.5), ("torso", 0.0, 1.2), ("right_shoulder", 0.0, 1.4)];
 /// #             for (joint, out, height) in body.into_iter().chain(arm) {
 /// #                 let time = f64::from(frame) / 30.0;
 /// #                 let side = if joint.starts_with("right") { -0.2 * towards } else { 0.0 };
@@ -91,7 +94,10 @@ impl TraceHeader<'_> {
 /// # };
 /// # let demonstrations = [0.4, 0.45, 0.5].map(demonstration);
 /// # let predictor = Predictor::fit(demonstrations.to_vec(), PredictSettings::default())?;
-/// let model = Arc::new(OnlineModel::new(&predictor, OnlineSettings::default())?);
+/// # // A few clean moments span no more.
+/// # let track = TrackSettings { dimensions: 2, ..TrackSettings::default() };
+/// # let settings = OnlineSettings { track, ..OnlineSettings::default() };
+/// let model = Arc::new(OnlineModel::new(&predictor, settings)?);
 /// let seen = demonstrations[0].observation();
 /// let mut pipeline = Pipeline::new(model.clone(), &seen.bone_lengths, true)?;
 /// let mut replay = Replay::new(&seen, model.settings().tick_rate);
