@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// Who may import whom: a module, its layer, and the neighbours in its own layer it builds on.
 /// Whatever stands in a lower layer is allowed.
-const LAYERS: [(&str, u32, &[&str]); 19] = [
+const LAYERS: [(&str, u32, &[&str]); 20] = [
     ("geometry", 0, &[]),
     ("time", 0, &[]),
     ("statistics", 0, &[]),
@@ -24,6 +24,8 @@ const LAYERS: [(&str, u32, &[&str]); 19] = [
     ("retarget", 2, &["mesh"]),
     ("demonstration", 2, &[]),
     ("forecast", 2, &[]),
+    ("filter", 2, &[]),
+    ("safety", 2, &[]),
     ("predict", 3, &[]),
     ("learn", 4, &[]),
     // Evaluation does not read parameters: that is for the shells.

@@ -34,7 +34,7 @@ pub struct EvaluateSettings {
 pub(super) struct Learnt {
     pub(super) predictor: Predictor,
     /// Where methods know the past alone.
-    pub(super) online: Option<OnlineModel>,
+    pub(super) online: Option<Arc<OnlineModel>>,
 }
 
 /// Why there is no evaluation.
@@ -102,7 +102,7 @@ fn fit(
         predictor = predictor.with_edges(edges);
     }
     let online = settings.causal.clone();
-    let online = online.map(|online| OnlineModel::new(&predictor, online)).transpose()?;
+    let online = online.map(|online| OnlineModel::new(&predictor, online).map(Arc::new)).transpose()?;
     Ok(Learnt { predictor, online })
 }
 

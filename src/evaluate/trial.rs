@@ -1,6 +1,8 @@
 //! One recording put to the methods: each sees the partner, the figures see the truth. The same
 //! recording under a [`Condition`] has no truth, and a type of its own.
 
+use std::sync::Arc;
+
 use super::causal;
 use super::{Condition, Figures, KnownScene, Scene};
 use crate::demonstration::{Demonstration, Hands, Observation};
@@ -62,7 +64,7 @@ pub enum TrialError {
 struct Question<'a> {
     predictor: &'a Predictor,
     /// Where methods know the past alone.
-    online: Option<&'a OnlineModel>,
+    online: Option<&'a Arc<OnlineModel>>,
     observation: Observation,
     alignment: Alignment,
 }
@@ -70,7 +72,7 @@ struct Question<'a> {
 impl<'a> Question<'a> {
     fn new(
         predictor: &'a Predictor,
-        online: Option<&'a OnlineModel>,
+        online: Option<&'a Arc<OnlineModel>>,
         observation: Observation,
     ) -> Result<Self, PredictError> {
         let alignment = predictor.align(&observation)?;
@@ -111,7 +113,7 @@ impl<'a> Trial<'a> {
     pub fn new(
         truth: &'a Demonstration,
         predictor: &'a Predictor,
-        online: Option<&'a OnlineModel>,
+        online: Option<&'a Arc<OnlineModel>>,
         ignored: &[String],
     ) -> Result<Self, TrialError> {
         let ignored = UnknownJoint::find(truth.robot().skeleton(), ignored)?;

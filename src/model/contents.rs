@@ -87,13 +87,6 @@ impl From<TrainingText> for Training {
 }
 
 /// `left` or `right`.
-pub(super) fn side_name(side: Side) -> &'static str {
-    match side {
-        Side::Left => "left",
-        Side::Right => "right",
-    }
-}
-
 impl Model {
     /// The parameters, all of them, as a JSON object of dotted keys.
     pub(super) fn config_json(&self) -> String {
@@ -130,7 +123,7 @@ impl Model {
             "config": self.config_map(),
             "demonstrations": demonstrations.collect::<Vec<_>>(),
             "edges": self.edges().edges().len(),
-            "hands": { "partner": side_name(hands.partner), "robot": side_name(hands.robot) },
+            "hands": { "partner": hands.partner.name(), "robot": hands.robot.name() },
             "people": people,
             "phases": self.edges().phases(),
             "role": self.people()[self.robot_role() as usize],

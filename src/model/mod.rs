@@ -192,7 +192,7 @@ impl Model {
         for (role, side) in [(robot, hands.robot), (robot.partner(), hands.partner)] {
             if self.pair.skeleton(role).part(Part::Hand(side)).is_none() {
                 let person = error::shortened_name(self.people()[role as usize]);
-                return Err(ModelError::NoHand { person, side: contents::side_name(side) });
+                return Err(ModelError::NoHand { person, side: side.name() });
             }
         }
         Ok(())

@@ -7,12 +7,18 @@
 
 mod model;
 mod perception;
+mod pipeline;
 mod reference;
+mod replay;
 mod settings;
+mod trace;
 mod window;
 
 pub use model::{OnlineError, OnlineModel};
 pub use perception::Perception;
+pub use pipeline::{Pipeline, Solved, Tick, TickInput};
 pub use reference::{Reference, Scene, mean_pose};
+pub use replay::Replay;
 pub use settings::OnlineSettings;
+pub use trace::{TraceHeader, trace_line};
 pub use window::Window;

@@ -4,11 +4,13 @@ use std::sync::Arc;
 
 use super::OnlineSettings;
 use crate::demonstration::Hands;
+use crate::filter::FilterError;
 use crate::forecast::{ForecastError, Forecaster};
 use crate::geometry::Vector;
 use crate::mesh::{MeshError, Pair};
 use crate::predict::{LearnedEdges, PredictSettings, Predictor};
 use crate::retarget::RetargetError;
+use crate::safety::SafetyError;
 use crate::skeleton::{Role, Sequence};
 use crate::track::{Library, LibraryError};
 
@@ -24,6 +26,12 @@ pub enum OnlineError {
     /// The demonstrations make no mesh.
     #[error(transparent)]
     Mesh(#[from] MeshError),
+    /// A setting of the filter is out of range.
+    #[error(transparent)]
+    Filter(#[from] FilterError),
+    /// A limit is out of range, or a bone has no length.
+    #[error(transparent)]
+    Safety(#[from] SafetyError),
     /// The mesh cannot be solved.
     #[error(transparent)]
     Retarget(#[from] RetargetError),

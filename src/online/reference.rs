@@ -20,6 +20,14 @@ pub struct Scene {
     pub robot_base: Point,
 }
 
+impl Scene {
+    /// Where the partner's joints are now: `[m]`.
+    pub fn now(&self, model: &OnlineModel) -> &[Point] {
+        let joints = model.library.skeleton(Who::Partner).len();
+        &self.partner[model.settings.past * joints..][..joints]
+    }
+}
+
 /// The reference over the window: `[m]`, `frames × joints`, the window's past first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reference {

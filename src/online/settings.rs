@@ -1,11 +1,22 @@
 //! The numbers behind a tick.
 
+use crate::filter::FilterSettings;
 use crate::forecast::ForecastSettings;
+use crate::safety::SafetySettings;
 use crate::track::TrackSettings;
 
 /// The numbers behind a tick.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OnlineSettings {
+    /// How skeletons are believed and smoothed.
+    pub filter: FilterSettings,
+    /// What the robot may do at most.
+    pub safety: SafetySettings,
+    /// Ticks a second of replays `[Hz]`, 1 to 10,000; live, the caller's clock decides.
+    pub tick_rate: f64,
+    /// How long the partner may go unseen before the robot, once it goes on, does so gently `[s]`;
+    /// from [`FilterSettings::stale`] on it holds.
+    pub stop_after: f64,
     /// How the partner is looked for in the demonstrations; the window is on the same grid of time.
     pub track: TrackSettings,
     /// How the partner is forecast.
@@ -25,6 +36,10 @@ pub struct OnlineSettings {
 impl Default for OnlineSettings {
     fn default() -> Self {
         Self {
+            filter: FilterSettings::default(),
+            safety: SafetySettings::default(),
+            tick_rate: 30.0,
+            stop_after: 1.0,
             track: TrackSettings::default(),
             forecast: ForecastSettings::default(),
             past: 2,

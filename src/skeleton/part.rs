@@ -16,6 +16,14 @@ impl Side {
     /// Both, left first: the order in which ties are broken.
     pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
 
+    /// The name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Left => "left",
+            Self::Right => "right",
+        }
+    }
+
     /// The other one.
     pub fn opposite(self) -> Self {
         match self {

@@ -5,10 +5,12 @@
 
 mod promp;
 
+use std::sync::Arc;
+
 use crate::demonstration::Observation;
 use crate::geometry::{Point, Vector, yaw_isometry};
 use crate::kinematics::{minimum_jerk, two_bone};
-use crate::online::{OnlineError, OnlineModel, Perception, Reference, Window, mean_pose};
+use crate::online::{OnlineError, OnlineModel, Perception, Pipeline, Replay, mean_pose};
 use crate::predict::{Method, Predictor};
 use crate::skeleton::Part;
 use crate::track::Who;
@@ -17,17 +19,17 @@ use promp::Promp;
 /// The robot's joints by one method, frame by frame: `[m]`, `frames × joints`.
 pub(super) fn predict(
     predictor: &Predictor,
-    model: &OnlineModel,
+    model: &Arc<OnlineModel>,
     method: Method,
     observation: &Observation,
 ) -> Result<Vec<Point>, OnlineError> {
     if let Some(predicted) = predictor.predict_causally(method, observation) {
         return Ok(predicted);
     }
-    let edges = method == Method::Mesh;
+    if matches!(method, Method::None | Method::Mesh) {
+        return ticks(model, method == Method::Mesh, observation);
+    }
     let mut perception = Perception::new(model);
-    let mut window = Window::new(model, &observation.bone_lengths, edges)?;
-    let mut reference = Reference::new(model);
     let mut promp = Promp::new(model);
     let joints = observation.robot_skeleton.len();
     let mut predicted = vec![Point::origin(); observation.len() * joints];
@@ -43,19 +45,26 @@ pub(super) fn predict(
                 mean_pose(library, &followed[..1], Who::Robot, 0.0, *base, pose);
                 attach(model, &perception, observation, &frame.positions, pose);
             }
-            Method::Promp => promp.predict(model, &perception, &frame.positions, *base, pose),
-            Method::Hold | Method::Ridge | Method::None | Method::Mesh => {
-                perception.look(model, frame.stamp, *base, |stamp, out| {
-                    let stamp = stamp.min(frame.stamp);
-                    if let Ok(there) = observation.partner.resampled(&[stamp]) {
-                        out.copy_from_slice(&there.frames()[0].positions);
-                    }
-                });
-                let scene = perception.scene();
-                reference.fill(model, perception.belief(), scene, edges);
-                window.solve(model, perception.belief(), scene, &reference)?;
-                pose.copy_from_slice(&window.poses()[..joints]);
-            }
+            _ => promp.predict(model, &perception, &frame.positions, *base, pose),
+        }
+    }
+    Ok(predicted)
+}
+
+/// The targets of the real tick at each frame.
+fn ticks(
+    model: &Arc<OnlineModel>,
+    edges: bool,
+    observation: &Observation,
+) -> Result<Vec<Point>, OnlineError> {
+    let mut pipeline = Pipeline::new(model.clone(), &observation.bone_lengths, edges)?;
+    let mut replay = Replay::new(observation, model.settings().tick_rate);
+    let mut predicted = Vec::with_capacity(observation.len() * observation.robot_skeleton.len());
+    while let Some((frame, input)) = replay.next_tick() {
+        let tick = pipeline.tick(&input);
+        if frame.is_some() {
+            // A robot that has said where it is always has a target.
+            predicted.extend_from_slice(tick.target.map_or(&[], |target| target.positions()));
         }
     }
     Ok(predicted)

@@ -1,0 +1,234 @@
+//! The tick itself: the whole online path on one screen.
+
+use std::sync::Arc;
+
+use super::{OnlineError, OnlineModel, Perception, Reference, Window};
+use crate::filter::{Doubt, Filter, Sighting};
+use crate::geometry::{Point, is_finite};
+use crate::retarget::Residual;
+use crate::safety::{HoldReason, PartnerBody, Proposal, SafetyGate, Target};
+use crate::skeleton::{JointId, Part};
+use crate::time::Stamp;
+use crate::track::{Belief, Who};
+
+/// What a tick is given.
+#[derive(Debug, Clone, Copy)]
+pub struct TickInput<'a> {
+    /// The instant of the tick; sightings count as received at it.
+    pub now: Stamp,
+    /// What came in of the partner since the last tick, if anything: the newest.
+    pub sighting: Option<Sighting<'a>>,
+    /// The robot's joints `[m]` in the world, its skeleton's order, where it has said them: the
+    /// first start the gate, later ones say where its base is.
+    pub robot: Option<&'a [Point]>,
+}
+
+/// What a tick says; borrowed from the pipeline until the next one.
+#[derive(Debug, Clone, Copy)]
+pub struct Tick<'a> {
+    /// Where the robot is to be; none before it has said where it is.
+    pub target: Option<&'a Target>,
+    /// Why it does not move as the demonstrations would have it; none: it does.
+    pub reason: Option<HoldReason>,
+    /// The partner, if known: all joints `[m]` at the instant of the tick.
+    pub partner: Option<&'a [Point]>,
+    /// Where in the demonstrations the interaction is.
+    pub belief: &'a Belief,
+    /// What was solved in this tick, if anything was.
+    pub solved: Option<Solved<'a>>,
+}
+
+/// A solved window.
+#[derive(Debug, Clone, Copy)]
+pub struct Solved<'a> {
+    /// The reference's robot now: `[m]`, one per joint.
+    pub reference: &'a [Point],
+    /// The robot's joints now and over the horizon, before the gate: `[m]`, `frames × joints`.
+    pub poses: &'a [Point],
+    /// What the solve left over.
+    pub residual: Residual,
+}
+
+/// One robot and one partner, tick by tick. All room is made at the start: a tick allocates
+/// nothing, reads no clock, and never fails; what goes wrong is a [`HoldReason`].
+#[derive(Debug, Clone)]
+pub struct Pipeline {
+    model: Arc<OnlineModel>,
+    filter: Filter,
+    perception: Perception,
+    reference: Reference,
+    window: Window,
+    gate: SafetyGate,
+    holds_gap: bool,
+    robot_base: Option<Point>,
+    body: Option<PartnerBody>,
+    is_cancelled: bool,
+    residual: Option<Residual>,
+}
+
+impl Pipeline {
+    /// Makes room for a robot.
+    ///
+    /// - `robot_lengths`: the robot's bones `[m]`, in its skeleton's bone order, > 0.
+    /// - `edges`: whether the edges between the people and the gap at contact count, or the
+    ///   demonstrations alone.
+    ///
+    /// # Errors
+    /// [`OnlineError`] on bones or settings out of range.
+    pub fn new(
+        model: Arc<OnlineModel>,
+        robot_lengths: &[f64],
+        edges: bool,
+    ) -> Result<Self, OnlineError> {
+        let settings = &model.settings;
+        let partner = model.library.skeleton(Who::Partner).clone();
+        settings.filter.check()?;
+        let filter =
+            Filter::new(partner, model.library.base(Who::Partner), settings.filter.clone());
+        let robot = model.library.skeleton(Who::Robot).clone();
+        let base = model.library.base(Who::Robot);
+        let gate = SafetyGate::new(robot, base, robot_lengths, settings.safety.clone())?;
+        Ok(Self {
+            filter,
+            perception: Perception::new(&model),
+            reference: Reference::new(&model),
+            window: Window::new(&model, robot_lengths, edges)?,
+            gate,
+            holds_gap: edges,
+            robot_base: None,
+            body: None,
+            is_cancelled: false,
+            residual: None,
+            model,
+        })
+    }
+
+    /// What is learned.
+    pub fn model(&self) -> &Arc<OnlineModel> {
+        &self.model
+    }
+
+    /// Calls it off: the robot brakes and stands until [`Self::reset`].
+    pub fn cancel(&mut self) {
+        self.is_cancelled = true;
+    }
+
+    /// Forgets partner, robot and cancellation: what comes next is a new interaction, and the robot
+    /// has to say again where it is.
+    pub fn reset(&mut self) {
+        self.filter.reset();
+        self.perception.reset(&self.model);
+        self.gate.reset();
+        self.robot_base = None;
+        self.body = None;
+        self.is_cancelled = false;
+        self.residual = None;
+    }
+
+    /// Where the robot is to be, from all that is known at `input.now`.
+    ///
+    /// Total: whatever the data, it ends, in bounded time, and allocates nothing.
+    ///
+    /// # Panics
+    /// If a sighting or the robot has not one place for each joint: the caller's bug.
+    pub fn tick(&mut self, input: &TickInput<'_>) -> Tick<'_> {
+        if let Some(robot) = input.robot {
+            self.take_robot(robot, input.now);
+        }
+        self.residual = None;
+        let proposed = self.propose(input);
+        let proposal = match proposed {
+            Ok(()) => {
+                Proposal::Move { poses: self.window.poses(), step: self.model.library.step() }
+            }
+            Err(reason) => Proposal::Hold(reason),
+        };
+        let target = self.gate.admit(proposal, self.body.as_ref(), input.now);
+        let joints = [Who::Robot, Who::Partner].map(|who| self.model.library.skeleton(who).len());
+        let past = self.model.settings.past;
+        let (reference, poses) = (&self.reference.robot, self.window.poses());
+        Tick {
+            target,
+            reason: match (target, proposed) {
+                (None, _) => Some(HoldReason::NoRobot),
+                (Some(target), _) => target.reason(),
+            },
+            partner: self
+                .filter
+                .partner()
+                .is_ok()
+                .then(|| &self.perception.scene().partner[past * joints[1]..][..joints[1]]),
+            belief: self.perception.belief(),
+            solved: self.residual.map(|residual| Solved {
+                reference: &reference[past * joints[0]..][..joints[0]],
+                poses,
+                residual,
+            }),
+        }
+    }
+
+    fn take_robot(&mut self, robot: &[Point], now: Stamp) {
+        let base = robot[self.model.library.base(Who::Robot).index()];
+        if is_finite(&base) {
+            self.robot_base = Some(base);
+        }
+        if !self.gate.is_started() {
+            self.gate.start(robot, now);
+        }
+    }
+
+    /// Fills the window's poses, or says why there are none.
+    fn propose(&mut self, input: &TickInput<'_>) -> Result<(), HoldReason> {
+        let Self { model, filter, perception, reference, window, .. } = self;
+        let partner = filter.update(input.sighting.as_ref(), input.now);
+        if self.is_cancelled {
+            return Err(HoldReason::Cancelled);
+        }
+        let partner = partner.map_err(|doubt| reason(doubt, model.settings.stop_after))?;
+        let base = self.robot_base.ok_or(HoldReason::NoRobot)?;
+        if partner.is_new() {
+            perception.reset(model);
+        }
+        if partner.is_fresh() {
+            perception.see(model, partner.stamp(), partner.positions(), base);
+        }
+        let scene = perception
+            .look(model, input.now, base, |stamp, places| partner.at(stamp, places));
+        self.body = Some(body(model, scene.now(model)));
+        if perception.belief().followed.is_empty() {
+            return Err(HoldReason::NoPartner);
+        }
+        if !perception.belief().is_familiar {
+            return Err(HoldReason::OffDemonstration);
+        }
+        let (belief, scene) = (perception.belief(), perception.scene());
+        reference.fill(model, belief, scene, self.holds_gap);
+        let residual = window.solve(model, belief, scene, reference);
+        self.residual = Some(residual.map_err(|_| HoldReason::Unsolved)?);
+        Ok(())
+    }
+}
+
+/// What the robot keeps away from, where the partner is now.
+fn body(model: &OnlineModel, places: &[Point]) -> PartnerBody {
+    let skeleton = model.library.skeleton(Who::Partner);
+    let place = |joint: Option<JointId>| joint.map(|joint| places[joint.index()]);
+    PartnerBody {
+        head: place(skeleton.part(Part::Head)),
+        neck: place(skeleton.part(Part::Neck)),
+        torso: place(Some(model.library.base(Who::Partner))),
+    }
+}
+
+/// Why there is nobody to hand over to.
+fn reason(doubt: Doubt, stop_after: f64) -> HoldReason {
+    match doubt {
+        Doubt::Nobody => HoldReason::NoPartner,
+        Doubt::Stale(since) if since.seconds() > stop_after => HoldReason::Stopped,
+        Doubt::Stale(_) => HoldReason::Stale,
+        Doubt::Lost => HoldReason::Lost,
+        Doubt::Jump => HoldReason::Jump,
+        Doubt::Exchanged => HoldReason::Exchanged,
+        Doubt::OutOfOrder | Doubt::FarFromNow(_) => HoldReason::Clock,
+    }
+}

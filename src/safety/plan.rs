@@ -1,0 +1,104 @@
+//! A motion from now into a standstill: going on for a while, then braking.
+
+use super::brake::Shape;
+use super::chain::Chain;
+use super::jet::{Jet, normalised, polynomial};
+use crate::geometry::{Point, Vector};
+
+/// Where in a plan: the derivatives of a plan's pieces differ where they meet.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Moment {
+    /// So long `[s]` after the start, going.
+    Go(f64),
+    /// So far along the braking path: σ and its derivatives.
+    Brake([f64; 4]),
+}
+
+/// The coordinates of a [`Chain`] over time, relative to the plan's start.
+#[derive(Debug, Clone)]
+pub(super) struct Plan {
+    shape: Shape,
+    /// Coefficients of each coordinate, not normalised.
+    pub(super) go: Vec<[Vector; 6]>,
+    /// How long it goes `[s]`; 0: it brakes at once.
+    pub(super) lead: f64,
+    /// Value and two derivatives of each coordinate where it starts to brake.
+    brake: Vec<[Vector; 3]>,
+    /// How long it brakes `[s]`; 0: it stands.
+    pub(super) stop: f64,
+}
+
+impl Plan {
+    pub(super) fn new(shape: Shape, coordinates: usize) -> Self {
+        let go = vec![[Vector::zeros(); 6]; coordinates];
+        Self { shape, go, lead: 0.0, brake: vec![[Vector::zeros(); 3]; coordinates], stop: 0.0 }
+    }
+
+    /// Braking at once from this state, in this time `[s]`; 0 s: standing.
+    pub(super) fn brake_from(&mut self, state: &[[Vector; 3]], stop: f64) {
+        self.lead = 0.0;
+        self.brake.copy_from_slice(state);
+        self.stop = stop;
+    }
+
+    /// Going by `self.go` for `lead` `[s]` and then braking from there, in this time `[s]`.
+    pub(super) fn brake_after(&mut self, lead: f64, stop: f64) {
+        self.lead = lead;
+        self.stop = stop;
+        for at in 0..self.go.len() {
+            let [place, velocity, acceleration, _] = self.coordinate(Moment::Go(lead), at);
+            self.brake[at] = [place, velocity, acceleration];
+        }
+    }
+
+    pub(super) fn shape(&self) -> &Shape {
+        &self.shape
+    }
+
+    /// How long until it stands `[s]`.
+    pub(super) fn duration(&self) -> f64 {
+        self.lead + self.stop
+    }
+
+    /// The moment so long `[s]` after the start, ≥ 0.
+    pub(super) fn moment(&self, time: f64) -> Moment {
+        if time < self.lead {
+            Moment::Go(time)
+        } else {
+            Moment::Brake(self.shape.at(time - self.lead, self.stop))
+        }
+    }
+
+    /// A coordinate before it is normalised.
+    pub(super) fn raw(&self, moment: Moment, at: usize) -> Jet {
+        match moment {
+            Moment::Go(time) => polynomial(&self.go[at], time),
+            Moment::Brake([s0, s1, s2, s3]) => {
+                let [place, velocity, bend] = &self.brake[at];
+                let slope = velocity + bend * s0;
+                [
+                    place + (velocity + bend * (0.5 * s0)) * s0,
+                    slope * s1,
+                    bend * (s1 * s1) + slope * s2,
+                    bend * (3.0 * s1 * s2) + slope * s3,
+                ]
+            }
+        }
+    }
+
+    /// A coordinate: the base's place, or a bone's direction.
+    pub(super) fn coordinate(&self, moment: Moment, at: usize) -> Jet {
+        let raw = self.raw(moment, at);
+        if at == 0 { raw } else { normalised(&raw) }
+    }
+
+    /// Places of all joints so long `[s]` after the start.
+    pub(super) fn points(&self, chain: &Chain, time: f64, joints: &mut [Point]) {
+        let moment = self.moment(time);
+        let value = |at: usize| {
+            let raw = self.raw(moment, at)[0];
+            if at == 0 { raw } else { raw.normalize() }
+        };
+        chain.lay_points(value, joints);
+    }
+}
