@@ -19,7 +19,6 @@ mod figure;
 mod read;
 
 use handover_mesh::config::Violation;
-use handover_mesh::safety::HoldReason;
 
 use crate::scene::SceneConfig;
 use crate::sensor::SensorConfig;
