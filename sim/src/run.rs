@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use anyhow::{Context, Result, bail};
-use handover_mesh::online::OnlineSettings;
+use handover_mesh::Config;
 use handover_sim::closed_loop::{Learnt, Outcome};
 use handover_sim::scenario::Scenario;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -25,6 +25,12 @@ pub(crate) struct Run {
     #[arg(long, value_name = "N", default_value_t = Learnt::DEMONSTRATIONS,
           value_parser = clap::value_parser!(u64).range(2..=1000))]
     demonstrations: u64,
+    /// The product's parameters [default: as shipped].
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+    /// A parameter over the file's, e.g. safety.speed=1; may be given again.
+    #[arg(long = "set", value_name = "KEY=VALUE", value_parser = setting)]
+    settings: Vec<(String, String)>,
     /// Threads to work with, up to 1024 [default: one for each core].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
@@ -38,21 +44,35 @@ pub(crate) struct Run {
 
 /// Plays them.
 pub(crate) fn run(arguments: &Run) -> ExitCode {
-    let scenarios = match read_all(&arguments.scenarios) {
-        Ok(scenarios) => scenarios,
+    let read = read_config(arguments).and_then(|config| Ok((config, read_all(arguments)?)));
+    let (config, scenarios) = match read {
+        Ok(read) => read,
         Err(error) => return complain(&format!("{error:#}"), 2),
     };
-    match play(arguments, &scenarios) {
+    match play(arguments, &config, &scenarios) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::FAILURE,
         Err(error) => complain(&format!("{error:#}"), 1),
     }
 }
 
+fn setting(text: &str) -> Result<(String, String), String> {
+    let (key, value) = text.split_once('=').ok_or("must be KEY=VALUE")?;
+    Ok((key.to_owned(), value.to_owned()))
+}
+
+fn read_config(arguments: &Run) -> Result<Config> {
+    let text = match &arguments.config {
+        Some(file) => fs::read_to_string(file).with_context(|| file.display().to_string())?,
+        None => String::new(),
+    };
+    Ok(Config::from_yaml(&text, &arguments.settings)?)
+}
+
 /// All scenarios, or all that is wrong with any of them.
-fn read_all(paths: &[PathBuf]) -> Result<Vec<Scenario>> {
+fn read_all(arguments: &Run) -> Result<Vec<Scenario>> {
     let mut files = Vec::new();
-    for path in paths {
+    for path in &arguments.scenarios {
         if path.is_dir() {
             files.extend(listed(path)?);
         } else {
@@ -95,13 +115,13 @@ fn read(file: &Path) -> Result<Scenario> {
 }
 
 /// Whether every bound held.
-fn play(arguments: &Run, scenarios: &[Scenario]) -> Result<bool> {
+fn play(arguments: &Run, config: &Config, scenarios: &[Scenario]) -> Result<bool> {
     let bar = progress_bar(arguments, scenarios.len() as u64 + 1);
     // 0 lets rayon take one for each core.
     let threads = arguments.jobs.map_or(0, usize::from);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
     let outcomes: Vec<Outcome> = pool.install(|| {
-        let learnt = Learnt::new(arguments.demonstrations, OnlineSettings::default())?;
+        let learnt = Learnt::new(arguments.demonstrations, config)?;
         bar.inc(1);
         let played = scenarios.par_iter().map(|scenario| {
             let outcome = Outcome::run(scenario, &learnt);

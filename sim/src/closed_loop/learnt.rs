@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use handover_mesh::demonstration::{Demonstration, DemonstrationError, Hands};
 use handover_mesh::mesh::{Edge, Pair};
-use handover_mesh::online::{OnlineError, OnlineModel, OnlineSettings, Pipeline};
+use handover_mesh::online::{OnlineError, OnlineModel, Pipeline};
 use handover_mesh::predict::{
-    EdgesError, LearnedEdge, LearnedEdges, PredictError, PredictSettings, Predictor,
+    EdgesError, LearnedEdge, LearnedEdges, PredictError, Predictor,
 };
-use handover_mesh::{Part, Role, Side, Skeleton, Vector};
+use handover_mesh::{Config, Part, Role, Side, Skeleton, Vector};
 
 use super::Stage;
 use super::stage::ROBOT;
@@ -56,19 +56,21 @@ impl Learnt {
     /// Learns from so many made-up handovers: their motions, and the one edge between the people
     /// that learning always ends with, that of the hands that meet.
     ///
+    /// - `config`: the product's parameters; those of the tick and of predictions count.
+    ///
     /// # Errors
     /// [`LearnError`]: none for two demonstrations or more.
-    pub fn new(demonstrations: u64, settings: OnlineSettings) -> Result<Self, LearnError> {
+    pub fn new(demonstrations: u64, config: &Config) -> Result<Self, LearnError> {
         let sensor = Sensor::new(SensorConfig::kinect(30.0))?;
         let clip = |index: u64| -> Result<Arc<Demonstration>, LearnError> {
             let name = format!("demonstration_{index}");
             let measured = generate(Self::SEED, index, &name, &sensor)?.view.measured;
-            Ok(Arc::new(Demonstration::new(Arc::new(measured), GIVER, "torso")?))
+            Ok(Arc::new(Demonstration::new(Arc::new(measured), GIVER, &config.base_joint)?))
         };
         let clips = (0..demonstrations).map(clip).collect::<Result<_, _>>()?;
-        let predictor = Predictor::fit(clips, PredictSettings::default())?;
+        let predictor = Predictor::fit(clips, config.predict.clone())?;
         let predictor = predictor.with_edges(hands_edge()?);
-        Ok(Self { model: Arc::new(OnlineModel::new(&predictor, settings)?) })
+        Ok(Self { model: Arc::new(OnlineModel::new(&predictor, config.online.clone())?) })
     }
 
     /// The mean gap of the demonstrations `[m]`: the robot's hand minus the partner's, in the
