@@ -80,7 +80,7 @@ impl Measured<'_> {
             Some(crept),
             self.disturbed(),
             self.stands_after(),
-            steps.last().map(|step| self.from_rest(step)),
+            steps.last().map(|step| self.from_any_rest(step)),
             Some(self.end_speed()),
         ]
     }
@@ -142,9 +142,21 @@ impl Measured<'_> {
         (there - start).norm()
     }
 
+    /// How much nearer the hand gets to where the giver's is at the planned contact than it rests.
     fn reach(&self) -> f64 {
-        let farthest = self.steps().map(|step| self.from_rest(step)).fold(0.0, f64::max);
-        farthest / self.giver_reach()
+        let scene = self.stage.scene();
+        let there = scene.pose(ROBOT, scene.moments().contact).positions[self.hand];
+        let left = |hand: Point| (there - hand).norm();
+        let nearest = self.steps().map(|step| left(step.robot[self.hand]));
+        1.0 - nearest.fold(f64::INFINITY, f64::min) / left(self.stage.rest()[self.hand])
+    }
+
+    /// How far the hand is from where it was at the start or, if that is nearer, from where the
+    /// giver's hand rests with nothing in it, at the planned end.
+    fn from_any_rest(&self, step: &Step) -> f64 {
+        let scene = self.stage.scene();
+        let done = scene.pose(ROBOT, scene.moments().end).positions[self.hand];
+        f64::min(self.from_rest(step), (step.robot[self.hand] - done).norm())
     }
 
     /// Speed and acceleration of any joint's target, by differences of neighbouring ticks.

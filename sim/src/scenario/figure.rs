@@ -18,7 +18,8 @@ pub enum Figure {
     ContactAfter,
     /// How much later than the scene's giver the hand has done 90 % of its reach; negative: sooner.
     Lag,
-    /// The farthest the hand gets from rest, as a share of the scene's giver's.
+    /// Which share of the way from rest to the place of the giver's hand at the planned contact the
+    /// hand does: 1 there, 0 if it gets no nearer.
     Reach,
     /// Ticks without a target or with a reason to hold, as a share of all.
     Held,
@@ -37,7 +38,8 @@ pub enum Figure {
     Disturbed,
     /// How long after the last message the target stands for good; undefined while messages come.
     StandsAfter,
-    /// How far the hand is from rest at the end.
+    /// How far the hand is from rest at the end: from where it was at the start, or from where the
+    /// giver's hangs after a handover.
     Rest,
     /// Fastest the hand is in the last half second.
     EndSpeed,
