@@ -5,9 +5,7 @@ use std::sync::Arc;
 use handover_mesh::demonstration::{Demonstration, DemonstrationError, Hands};
 use handover_mesh::mesh::{Edge, Pair};
 use handover_mesh::online::{OnlineError, OnlineModel, Pipeline};
-use handover_mesh::predict::{
-    EdgesError, LearnedEdge, LearnedEdges, PredictError, Predictor,
-};
+use handover_mesh::predict::{EdgesError, LearnedEdge, LearnedEdges, PredictError, Predictor};
 use handover_mesh::{Config, Part, Role, Side, Skeleton, Vector};
 
 use super::Stage;

@@ -56,8 +56,7 @@ impl TimeWarp {
 
     /// Everything as planned.
     pub fn none() -> Self {
-        let always =
-            Piece { start: 0.0, from: 0.0, duration: f64::INFINITY, rates: [1.0, 1.0] };
+        let always = Piece { start: 0.0, from: 0.0, duration: f64::INFINITY, rates: [1.0, 1.0] };
         Self { pieces: vec![always] }
     }
 

@@ -24,7 +24,8 @@ impl Fields {
 
     /// Whether a key is given, or one below it.
     pub(super) fn has(&self, section: &str) -> bool {
-        let below = |key: &String| key.strip_prefix(section).is_some_and(|rest| rest.starts_with('.'));
+        let below =
+            |key: &String| key.strip_prefix(section).is_some_and(|rest| rest.starts_with('.'));
         self.values.contains_key(section) || self.values.keys().any(below)
     }
 

@@ -21,8 +21,9 @@ impl Scenario {
     /// # Errors
     /// [`ScenarioError`] with every unknown key, wrong type and value out of range.
     pub fn from_yaml(file: &str, name: &str, yaml: &str) -> Result<Self, ScenarioError> {
-        let parsed: Value = serde_saphyr::from_str(yaml).map_err(|error| {
-            ScenarioError::Yaml { file: file.to_owned(), problem: error.to_string() }
+        let parsed: Value = serde_saphyr::from_str(yaml).map_err(|error| ScenarioError::Yaml {
+            file: file.to_owned(),
+            problem: error.to_string(),
         })?;
         let mut fields = Fields::of(&parsed);
         let scenario = Self::from_fields(&mut fields, name);
@@ -117,8 +118,7 @@ fn sensor(fields: &mut Fields) -> (SensorConfig, f64) {
     fields.choice("sensor.kind", &mut is_kinect, &[("ideal", false), ("kinect", true)]);
     let mut rate = 30.0;
     fields.number("sensor.rate", &mut rate);
-    let mut sensor =
-        if is_kinect { SensorConfig::kinect(rate) } else { SensorConfig::ideal(rate) };
+    let mut sensor = if is_kinect { SensorConfig::kinect(rate) } else { SensorConfig::ideal(rate) };
     fields.number("sensor.frame_loss", &mut sensor.frame_loss);
     fields.number("sensor.hold_rate", &mut sensor.hold_rate);
     fields.number("sensor.swap_rate", &mut sensor.swap_rate);
