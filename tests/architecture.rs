@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// Who may import whom: a module, its layer, and the neighbours in its own layer it builds on.
 /// Whatever stands in a lower layer is allowed.
-const LAYERS: [(&str, u32, &[&str]); 20] = [
+const LAYERS: [(&str, u32, &[&str]); 23] = [
     ("geometry", 0, &[]),
     ("time", 0, &[]),
     ("statistics", 0, &[]),
@@ -27,7 +27,9 @@ const LAYERS: [(&str, u32, &[&str]); 20] = [
     ("filter", 2, &[]),
     ("safety", 2, &[]),
     ("predict", 3, &[]),
+    ("track", 3, &[]),
     ("learn", 4, &[]),
+    ("online", 4, &[]),
     // Evaluation does not read parameters: that is for the shells.
     ("config", 5, &[]),
     ("evaluate", 5, &[]),

@@ -33,7 +33,7 @@ impl Fields {
     }
 
     /// Sets `target` if the key is there and `parse` takes its value; else remembers the bound.
-    fn take<T: PartialEq>(
+    pub(super) fn take<T: PartialEq>(
         &mut self,
         key: &'static str,
         target: &mut T,
@@ -56,6 +56,11 @@ impl Fields {
                 self.violations.push(Violation { key: key.to_owned(), problem });
             }
         }
+    }
+
+    /// Notes what is wrong with a value beside others.
+    pub(super) fn refuse(&mut self, key: &str, problem: String) {
+        self.violations.push(Violation { key: key.to_owned(), problem });
     }
 
     /// A number between two bounds, both included.

@@ -10,6 +10,7 @@
 //! range. Text in, values out: opens no file.
 
 mod fields;
+mod online;
 
 use std::collections::BTreeMap;
 
@@ -18,8 +19,8 @@ use serde_json::Value;
 use crate::forecast::ForecastSettings;
 use crate::learn::{LearnMethod, LearnSettings};
 use crate::mesh::Kernel;
-use crate::online::OnlineSettings;
 use crate::motion::{Dimensions, MotionSettings};
+use crate::online::OnlineSettings;
 use crate::predict::{KnownJoints, PredictSettings};
 use crate::retarget::Transform;
 use fields::Fields;
@@ -246,18 +247,7 @@ impl Config {
         fields.count("forecast.averaged", &mut forecast.averaged, 1, 1000);
         fields.float("forecast.joint_damping", &mut forecast.joint_damping, 1e-3, 1e3);
         fields.float("forecast.root_damping", &mut forecast.root_damping, 1e-3, 1e3);
-        let track = &mut online.track;
-        fields.float("track.velocity_weight", &mut track.velocity_weight, 0.0, 1e3);
-        fields.float("track.distance_weight", &mut track.distance_weight, 0.0, 1e3);
-        fields.float("track.spread", &mut track.spread, 1e-6, 1e3);
-        fields.float("track.pause", &mut track.pause, 0.0, 0.9);
-        fields.float("track.hurry", &mut track.hurry, 0.0, 0.9);
-        fields.float("track.leap", &mut track.leap, 0.0, 0.5);
-        fields.float("track.memory", &mut track.memory, 1e-3, 1e3);
-        fields.float("track.pace_memory", &mut track.pace_memory, 1e-3, 1e3);
-        fields.count("track.demonstrations", &mut track.demonstrations, 1, 1000);
-        fields.count("track.dimensions", &mut track.dimensions, 1, 1000);
-        fields.float("window.trust", &mut online.trust, 1e-3, 1e3);
+        online::take(fields, online);
         fields.float("baseline.ridge_penalty", &mut predict.ridge_penalty, 1e-9, 1e6);
         fields.count("baseline.promp_bases", &mut predict.promp_bases, 2, 200);
         fields.float("baseline.promp_noise", &mut predict.promp_noise, 1e-6, 1e3);

@@ -97,7 +97,8 @@ fn evaluate_clip(
     settings: &EvaluateSettings,
     done: &(impl Fn() + Sync),
 ) -> Result<Vec<(ChangedClip, Vec<String>)>, TrialError> {
-    let trial = Trial::new(truth, &learnt.predictor, learnt.online.as_ref(), &settings.ignored_joints)?;
+    let trial =
+        Trial::new(truth, &learnt.predictor, learnt.online.as_ref(), &settings.ignored_joints)?;
     let evaluate = |condition: Condition| {
         let evaluated = evaluate_condition(truth, &trial, condition, settings);
         done();

@@ -39,7 +39,8 @@ fn evaluate_clip(
     learnt: &Learnt,
     settings: &EvaluateSettings,
 ) -> Result<(Clip, Vec<String>), TrialError> {
-    let trial = Trial::new(truth, &learnt.predictor, learnt.online.as_ref(), &settings.ignored_joints)?;
+    let trial =
+        Trial::new(truth, &learnt.predictor, learnt.online.as_ref(), &settings.ignored_joints)?;
     let name = truth.recording().name();
     let (methods, failures) =
         every_method(name, &settings.methods, |method| Ok(trial.run(method)?.1));

@@ -102,7 +102,8 @@ fn fit(
         predictor = predictor.with_edges(edges);
     }
     let online = settings.causal.clone();
-    let online = online.map(|online| OnlineModel::new(&predictor, online).map(Arc::new)).transpose()?;
+    let online =
+        online.map(|online| OnlineModel::new(&predictor, online).map(Arc::new)).transpose()?;
     Ok(Learnt { predictor, online })
 }
 

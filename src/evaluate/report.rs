@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::{Figure, Figures};
 use super::TrialError;
+use super::{Figure, Figures};
 use crate::predict::Method;
 use crate::statistics::Summary;
 

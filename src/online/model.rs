@@ -56,10 +56,7 @@ impl OnlineModel {
     ///
     /// # Errors
     /// [`OnlineError`]: demonstrations too short to be forecast from, or all alike.
-    pub fn new(
-        predictor: &Predictor,
-        settings: OnlineSettings,
-    ) -> Result<Self, OnlineError> {
+    pub fn new(predictor: &Predictor, settings: OnlineSettings) -> Result<Self, OnlineError> {
         let demonstrations = predictor.demonstrations();
         let library = Library::new(demonstrations, settings.track.clone())?;
         let motions: Vec<(&Sequence, u32)> =

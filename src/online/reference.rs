@@ -60,7 +60,14 @@ impl Reference {
             let ahead = at as f64 - model.settings.past as f64;
             let ahead = if ahead > 0.0 { ahead * belief.tempo } else { ahead };
             mean_pose(&model.library, &belief.followed, Who::Robot, ahead, scene.robot_base, robot);
-            mean_pose(&model.library, &belief.followed, Who::Partner, ahead, seen[partner_base], partner);
+            mean_pose(
+                &model.library,
+                &belief.followed,
+                Who::Partner,
+                ahead,
+                seen[partner_base],
+                partner,
+            );
             if holds_gap {
                 hold_gap(model, belief, ahead, seen, robot, partner);
             }
@@ -107,7 +114,8 @@ fn hold_gap(
         return;
     };
     let seconds = (belief.contact - ahead) * model.library.step().seconds();
-    let share = minimum_jerk(1.0 - seconds.abs() / model.predict.contact_fade);
+    let off = (seconds.abs() - model.settings.contact_hold).max(0.0);
+    let share = minimum_jerk(1.0 - off / model.predict.contact_fade);
     let world_from_heading = yaw_isometry(partner_skeleton.heading(seen), Vector::zeros());
     let gap = world_from_heading * model.gap(belief.hands);
     let goal = partner[partner_hand.index()] + gap;

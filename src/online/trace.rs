@@ -97,7 +97,11 @@ pub fn trace_line(model: &OnlineModel, input: &TickInput<'_>, tick: &Tick<'_>) -
 /// `[[x, y, z], …]`; what is no place is null.
 fn points(points: &[Point], number: impl Fn(f64) -> f64) -> Value {
     let points = points.iter().map(|point| {
-        if is_finite(point) { json!([number(point.x), number(point.y), number(point.z)]) } else { Value::Null }
+        if is_finite(point) {
+            json!([number(point.x), number(point.y), number(point.z)])
+        } else {
+            Value::Null
+        }
     });
     Value::Array(points.collect())
 }

@@ -11,9 +11,7 @@ use crate::demonstration::Hands;
 use crate::geometry::Point;
 use crate::mesh::{EdgeWeights, InitialEdges, InteractionMesh, Topology};
 use crate::predict::phase;
-use crate::retarget::{
-    Constraint, Residual, RetargetError, Retargeter, Workspace, project_bones,
-};
+use crate::retarget::{Constraint, Residual, RetargetError, Retargeter, Workspace, project_bones};
 use crate::skeleton::{JointId, Role};
 use crate::track::{Belief, Who};
 
@@ -77,9 +75,8 @@ impl Window {
         for hands in Hands::all() {
             let learned = model.edges.for_hands(pair, model.robot, hands);
             let learned = if edges { learned.edges() } else { &[] };
-            let topology =
-                Topology::initial(pair.clone(), &first_frame, InitialEdges::EachPerson)?
-                    .with(learned.iter().map(|learned| learned.edge))?;
+            let topology = Topology::initial(pair.clone(), &first_frame, InitialEdges::EachPerson)?
+                .with(learned.iter().map(|learned| learned.edge))?;
             let topology = Arc::new(topology);
             let between = learned.iter().filter_map(|learned| {
                 Some((topology.find(learned.edge)?, learned.factors.clone()))
@@ -204,8 +201,7 @@ fn interleave(model: &OnlineModel, robot: &[Point], partner: &[Point], both: &mu
     let joints = |who| model.library.skeleton(who).len();
     let robot = robot.chunks_exact(joints(Who::Robot));
     let partner = partner.chunks_exact(joints(Who::Partner));
-    for (frame, (robot, partner)) in
-        both.chunks_exact_mut(model.pair.len()).zip(robot.zip(partner))
+    for (frame, (robot, partner)) in both.chunks_exact_mut(model.pair.len()).zip(robot.zip(partner))
     {
         let [first, second] = in_order(model.robot, [robot, partner]);
         let (front, back) = frame.split_at_mut(first.len());

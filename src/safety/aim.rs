@@ -45,16 +45,17 @@ impl<'a> Poses<'a> {
         chain.coordinates_of(joint, out);
     }
 
-    /// Two instants around `time` `[s]` that lie among the poses, to take velocities from.
-    pub(super) fn around(&self, time: f64) -> Option<[f64; 2]> {
-        let end = self.last() * self.step;
-        let (from, to) = ((time - self.step).max(0.0), (time + self.step).min(end));
-        (time <= end && to > from).then_some([from, to])
+    /// Whether there are poses for so many steps before and after a time `[s]`.
+    pub(super) fn reach_around(&self, time: f64, steps: f64) -> bool {
+        let place = time / self.step;
+        // Rounding must not lose the last pose.
+        place >= steps && place + steps <= self.last() + 1e-6
     }
 }
 
-/// Aims at the pose at `[s]` from now, moving as the poses do there. `false` where that is too far
-/// for one plan.
+/// Aims at the pose at `[s]` from now, moving as the poses do there: by central differences, over
+/// one step for velocity and, since noise counts more, two for acceleration. `false` where that is
+/// too far for one plan.
 ///
 /// - `state`: value and two derivatives of each coordinate now.
 /// - `scratch`: coordinates, overwritten.
@@ -71,26 +72,33 @@ pub(super) fn follow(
     for coordinates in [&mut *there, &mut *from, &mut *to] {
         coordinates.iter_mut().zip(state).for_each(|(own, now)| *own = now[0]);
     }
+    let step = poses.step;
     poses.at(chain, time, there);
-    let around = poses.around(time);
-    if let Some(times) = around {
-        poses.at(chain, times[0], from);
-        poses.at(chain, times[1], to);
+    let mut directions = there[1..].iter().zip(&state[1..]);
+    if directions.any(|(there, now)| there.dot(&now[0]) < WIDEST.cos()) {
+        return false;
     }
-    for (at, aim) in aims.iter_mut().enumerate() {
-        let place = there[at];
-        let difference = |times: [f64; 2]| (to[at] - from[at]) / (times[1] - times[0]);
-        let velocity = around.map_or_else(Vector::zeros, difference);
-        if at == 0 {
-            *aim = [place, velocity, Vector::zeros()];
-            continue;
+    for (aim, there) in aims.iter_mut().zip(&*there) {
+        *aim = [*there, Vector::zeros(), Vector::zeros()];
+    }
+    if poses.reach_around(time, 1.0) {
+        poses.at(chain, time - step, from);
+        poses.at(chain, time + step, to);
+        for ((aim, from), to) in aims.iter_mut().zip(&*from).zip(&*to) {
+            aim[1] = (to - from) / (2.0 * step);
         }
-        if place.dot(&state[at][0]) < WIDEST.cos() {
-            return false;
+    }
+    if poses.reach_around(time, 2.0) {
+        poses.at(chain, time - 2.0 * step, from);
+        poses.at(chain, time + 2.0 * step, to);
+        for ((aim, from), to) in aims.iter_mut().zip(&*from).zip(&*to) {
+            aim[2] = (to - aim[0] * 2.0 + from) / (4.0 * step * step);
         }
-        // Along a circle: what keeps a unit vector one.
-        let turn = velocity - place * place.dot(&velocity);
-        *aim = [place, turn, place * -turn.norm_squared()];
+    }
+    for [place, velocity, acceleration] in &mut aims[1..] {
+        // What keeps a unit vector one: it moves across itself, and is drawn inwards.
+        *velocity -= *place * place.dot(velocity);
+        *acceleration -= *place * (place.dot(acceleration) + velocity.norm_squared());
     }
     true
 }
@@ -180,7 +188,8 @@ mod tests {
             assert!((out[0].x - x).abs() < 1e-9, "{time}");
             assert_eq!(out[1], Vector::z(), "no direction: kept");
         }
-        assert_eq!(read.around(0.3), None);
+        assert!(read.reach_around(0.1, 1.0));
+        assert!(!read.reach_around(0.1, 2.0) && !read.reach_around(0.11, 1.0));
         assert!(Poses::new(&all[1..], Span(1), joints).is_none());
         assert!(Poses::new(&[], Span(1), joints).is_none());
         assert!(Poses::new(&all, Span(0), joints).is_none());

@@ -24,8 +24,9 @@ pub(super) struct Shape {
     phases: [Phase; Self::PHASES],
     /// How far the stop goes.
     way: f64,
-    /// Largest |σ″| and |σ‴|.
-    peaks: [f64; 2],
+    /// Largest |σ″|, |σ‴| and |3 σ′ σ″ + σ σ‴|: what velocity and acceleration are multiplied by in
+    /// `y″` and `y‴`.
+    peaks: [f64; 3],
     /// What a stop from full speed takes `[s]`.
     full: f64,
 }
@@ -47,13 +48,13 @@ impl Shape {
         // The period is of no use to a stop computed as a whole.
         let mut planner = Ruckig::<1, ThrowErrorHandler>::new(None, 0.01);
         planner.calculate(&input, &mut trajectory).map_err(|_| SafetyError::Brake)?;
-        let profile = trajectory.profiles.first().ok_or(SafetyError::Brake)?[0].clone();
+        let profile = trajectory.profiles.first().ok_or(SafetyError::Brake)?[0];
         let full: f64 = profile.t.iter().sum();
         Self::from_phases(&profile.t, &profile.j, settings.speed, full).ok_or(SafetyError::Brake)
     }
 
     fn from_phases(times: &[f64], jerks: &[f64], speed: f64, full: f64) -> Option<Self> {
-        let mut shape = Self { phases: Default::default(), way: 0.0, peaks: [0.0; 2], full };
+        let mut shape = Self { phases: Default::default(), way: 0.0, peaks: [0.0; 3], full };
         let (mut state, mut start, mut filled) = ([0.0, 1.0, 0.0, 0.0], 0.0, 0);
         for (time, jerk) in times.iter().zip(jerks).filter(|(time, _)| **time > 1e-9 * full) {
             let duration = time / full;
@@ -65,6 +66,11 @@ impl Shape {
             start += duration;
             shape.peaks[0] = shape.peaks[0].max(state[2].abs());
             shape.peaks[1] = shape.peaks[1].max(state[3].abs());
+            const SAMPLES: u32 = 32;
+            for k in 0..=SAMPLES {
+                let [s0, s1, s2, s3] = phase.at(duration * f64::from(k) / f64::from(SAMPLES));
+                shape.peaks[2] = shape.peaks[2].max((3.0 * s1 * s2 + s0 * s3).abs());
+            }
         }
         shape.way = state[0];
         // What is left is cut off: at the end a stop stands, to the bit.
@@ -98,13 +104,14 @@ impl Shape {
     }
 
     /// About what a stop takes `[s]` from these: joints' largest speed `[m/s]` and acceleration
-    /// `[m/s²]`, within these limits.
+    /// `[m/s²]`, within these limits of acceleration and jerk.
     ///
-    /// By the largest terms of `y″` and `y‴`; the certificate has the last word.
+    /// As if both were along one line: jerk is then at most `(peak₁ v / S + peak₂ a) / S`. The
+    /// certificate has the last word.
     pub(super) fn estimate(&self, speed: f64, acceleration: f64, limits: [f64; 2]) -> f64 {
         let [most_acceleration, most_jerk] = limits;
-        let [second, third] = self.peaks;
-        let linear = 1.5 * second * acceleration;
+        let [second, third, mixed] = self.peaks;
+        let linear = mixed * acceleration;
         let root = (linear * linear + 4.0 * third * speed * most_jerk).sqrt();
         let by_jerk = (linear + root) / (2.0 * most_jerk);
         by_jerk.max(second * speed / most_acceleration).clamp(0.02 * self.full, 4.0 * self.full)

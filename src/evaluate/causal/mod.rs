@@ -85,10 +85,9 @@ fn attach(
     let share = minimum_jerk(1.0 - seconds.abs() / model.predict_settings().attach_fade);
     let (skeleton, partner_skeleton) =
         (&observation.robot_skeleton, observation.partner.skeleton());
-    let (Some([shoulder, elbow, hand]), Some(partner_hand)) = (
-        skeleton.arm(belief.hands.robot),
-        partner_skeleton.part(Part::Hand(belief.hands.partner)),
-    ) else {
+    let (Some([shoulder, elbow, hand]), Some(partner_hand)) =
+        (skeleton.arm(belief.hands.robot), partner_skeleton.part(Part::Hand(belief.hands.partner)))
+    else {
         return;
     };
     let length = |child| {

@@ -1,0 +1,10 @@
+//! The safety gate from outside: whatever comes in, what goes out keeps every promise.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+
+mod checks;
+mod hostile;
+mod motions;
+mod promises;
+mod real_time;
+mod scene;
