@@ -17,6 +17,9 @@ pub enum Figure {
     GapAtContact,
     /// When the gap deviates least, minus the true contact `[ms]`; summed up without sign.
     Timing,
+    /// When 90 % of the way to contact is done, minus when the human had done it `[ms]`: above 0 is
+    /// late; summed up with sign.
+    Reach,
     /// Largest deviation of a bone from the robot's own length `[mm]`.
     Bone,
     /// Mean jerk of the active hand `[m/s³]`.
@@ -25,13 +28,14 @@ pub enum Figure {
 
 impl Figure {
     /// All of them, in the order tables show them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Joint,
         Self::Hand,
         Self::Contact,
         Self::Gap,
         Self::GapAtContact,
         Self::Timing,
+        Self::Reach,
         Self::Bone,
         Self::Jerk,
     ];
@@ -45,6 +49,7 @@ impl Figure {
             Self::Gap => "gap_cm",
             Self::GapAtContact => "gap_at_contact_cm",
             Self::Timing => "timing_ms",
+            Self::Reach => "reach_ms",
             Self::Bone => "bone_mm",
             Self::Jerk => "jerk_m_s3",
         }

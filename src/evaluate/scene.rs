@@ -6,6 +6,9 @@ use crate::demonstration::{Demonstration, Hands, Observation};
 use crate::geometry::{Point, Vector};
 use crate::skeleton::{JointId, Part, Sequence};
 
+/// A hand that comes no farther than this before contact does not reach `[m]`.
+const SHORTEST_REACH: f64 = 0.1;
+
 /// Within this long of the true contact the hands may meet `[s]`.
 const CONTACT_WINDOW: f64 = 0.25;
 
@@ -164,7 +167,26 @@ impl<'a> KnownScene<'a> {
             .with(Figure::Joint, mean(joint, frames * self.measured_joints.len()).map(centimetres))
             .with(Figure::Hand, mean(whole, frames).map(centimetres))
             .with(Figure::Contact, Some(centimetres(miss(self.scene.contact, hand))))
+            .with(Figure::Reach, self.late(|frame| predicted[frame * joints + hand.index()]))
     }
+
+    /// How much later than the human a hand has done 90 % of its way to contact `[ms]`.
+    fn late(&self, hand: impl Fn(usize) -> Point) -> Option<f64> {
+        let contact = self.scene.contact;
+        let own = arrival(contact, hand)?;
+        let human = arrival(contact, |frame| self.robot.position(frame, self.scene.robot_hand))?;
+        let stamp = |frame: usize| self.robot.frames()[frame].stamp;
+        Some((stamp(own) - stamp(human)).milliseconds())
+    }
+}
+
+/// The first frame, after the hand was farthest from where it is at `contact`, at which a tenth of
+/// that way is left; `None` if it does not reach at all.
+fn arrival(contact: usize, hand: impl Fn(usize) -> Point) -> Option<usize> {
+    let left = |frame: usize| (hand(frame) - hand(contact)).norm();
+    let start = (0..=contact).max_by(|a, b| left(*a).total_cmp(&left(*b)))?;
+    let way = left(start);
+    (way >= SHORTEST_REACH).then(|| (start..=contact).find(|k| left(*k) <= 0.1 * way))?
 }
 
 fn mean(sum: f64, count: usize) -> Option<f64> {

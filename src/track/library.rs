@@ -138,7 +138,12 @@ impl Library {
             });
         }
         let features = Rows::new(feature_count(&skeletons[1]), features)?;
-        let pca = Pca::fit(&features, Dimensions::Count(settings.dimensions))?;
+        let pca = match Pca::fit(&features, Dimensions::Count(settings.dimensions)) {
+            Err(MotionError::Rank { rank, .. }) if rank > 0 => {
+                Pca::fit(&features, Dimensions::Count(rank))?
+            }
+            fitted => fitted?,
+        };
         let at_rate = |rate: f64| -> Result<Rows, MotionError> {
             let mut paced = features.values().to_vec();
             for row in paced.chunks_exact_mut(features.width()) {

@@ -17,13 +17,14 @@ use crate::common::folder;
 pub(crate) const FRAMES: i64 = 24;
 pub(crate) const METHODS: [&str; 8] =
     ["hold", "replay", "knn", "ridge", "promp", "attach", "none", "mesh"];
-pub(crate) const FIGURES: [&str; 8] = [
+pub(crate) const FIGURES: [&str; 9] = [
     "joint_cm",
     "hand_cm",
     "contact_cm",
     "gap_cm",
     "gap_at_contact_cm",
     "timing_ms",
+    "reach_ms",
     "bone_mm",
     "jerk_m_s3",
 ];

@@ -96,6 +96,7 @@ fn heading(figure: Figure) -> [&'static str; 2] {
         Figure::Gap => ["gap", "cm"],
         Figure::GapAtContact => ["at contact", "cm"],
         Figure::Timing => ["timing", "ms"],
+        Figure::Reach => ["reach", "ms"],
         Figure::Bone => ["bone", "mm"],
         Figure::Jerk => ["jerk", "m/s³"],
     }
@@ -118,7 +119,8 @@ fn table<'a>(rows: impl Iterator<Item = (&'static str, &'a Summaries)>) -> Strin
         let _ = write!(text, "{name:8}");
         for (figure, summary) in Figure::ALL.into_iter().zip(figures) {
             // How far people are from themselves says nothing.
-            let itself = matches!(figure, Figure::Joint | Figure::Hand | Figure::Contact);
+            let itself =
+                matches!(figure, Figure::Joint | Figure::Hand | Figure::Contact | Figure::Reach);
             let summary = summary.as_ref().filter(|_| !(itself && name == HUMAN));
             let cell = |text: fn(&Summary) -> String| summary.map_or("-".into(), text);
             let _ = write!(text, " {:>14}", cell(|s| format!("{:.1} / {:.1}", s.mean, s.median)));
