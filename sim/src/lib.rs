@@ -5,6 +5,10 @@
 //! three for one clip of a set. Every random choice comes from the seed and the clip's number, so
 //! equal seeds give equal bytes, in whatever order or on however many threads clips are made.
 //!
+//! With [`scenario`] and [`closed_loop`] the robot itself takes part: a trial's file says who meets
+//! whom and what goes wrong, the product's tick moves a simple arm among them, and the trial's figures
+//! are held against the file's bounds.
+//!
 //! The library opens no file and reads no clock; the binary `handover_sim` writes what it makes.
 
 pub mod body;

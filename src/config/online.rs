@@ -56,6 +56,7 @@ fn take_track(fields: &mut Fields, track: &mut TrackSettings) {
     fields.float("track.start", &mut track.start, 0.01, 600.0);
     fields.float("track.pause", &mut track.pause, 0.0, 0.45);
     fields.float("track.hurry", &mut track.hurry, 0.0, 0.45);
+    fields.float("track.restart", &mut track.restart, 0.01, 600.0);
     fields.float("track.leap", &mut track.leap, 0.0, 0.5);
     fields.float("track.memory", &mut track.memory, 0.001, 60.0);
     fields.float("track.pace_memory", &mut track.pace_memory, 0.001, 60.0);

@@ -26,6 +26,8 @@ pub struct TrackSettings {
     pub pause: f64,
     /// See [`Self::pause`].
     pub hurry: f64,
+    /// The same of an interaction that begins anew `[s]`, > 0.
+    pub restart: f64,
     /// How likely the interaction begins anew, per frame `[-]`, 0 to 0.5.
     pub leap: f64,
     /// How long ago still counts for which demonstrations are followed `[s]`, > 0.
@@ -50,6 +52,7 @@ impl Default for TrackSettings {
             start: 2.0,
             pause: 0.3,
             hurry: 0.25,
+            restart: 0.3,
             leap: 1e-3,
             memory: 1.0,
             pace_memory: 0.5,

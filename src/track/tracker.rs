@@ -50,8 +50,10 @@ impl State {
 pub struct Tracker {
     /// `P(f|d)` of all demonstrations one after another.
     chances: Vec<f64>,
-    /// Where an interaction begins, of all demonstrations one after another.
+    /// Where an interaction begins that was not seen beginning, and where one that is: of all
+    /// demonstrations one after another.
     starts: Vec<f64>,
+    restarts: Vec<f64>,
     /// How likely each row is come to at each rate.
     arrived: Vec<[f64; RATES.len()]>,
     /// Squared distance of the partner's moment to each row, gone through at each rate.
@@ -75,7 +77,8 @@ impl Tracker {
         let most = library.settings().demonstrations.min(count);
         let mut tracker = Self {
             chances: vec![0.0; rows],
-            starts: vec![0.0; rows],
+            starts: starts(library, library.settings().start),
+            restarts: starts(library, library.settings().restart),
             arrived: vec![[0.0; RATES.len()]; rows],
             distances: vec![[0.0; RATES.len()]; rows],
             states: vec![State { cost: 0.0, frame: 0.0, tempo: 1.0, turn: [0.0; 2] }; count],
@@ -93,17 +96,6 @@ impl Tracker {
                 contact: 0.0,
             },
         };
-        let fall = (-library.step().seconds() / library.settings().start).exp();
-        for exemplar in library.exemplars() {
-            let starts = &mut tracker.starts[exemplar.rows.clone()];
-            let mut chance = 1.0;
-            for start in &mut *starts {
-                *start = chance;
-                chance *= fall;
-            }
-            let total: f64 = starts.iter().sum();
-            starts.iter_mut().for_each(|start| *start /= total);
-        }
         tracker.reset();
         tracker
     }
@@ -203,7 +195,7 @@ impl Tracker {
         let rows = library.exemplars()[at].rows.clone();
         let leap = library.settings().leap;
         let [pause, go, hurry] = shares(library).map(|share| (1.0 - leap) * share);
-        let (chances, starts) = (&self.chances[rows.clone()], &self.starts[rows.clone()]);
+        let (chances, restarts) = (&self.chances[rows.clone()], &self.restarts[rows.clone()]);
         let last = chances.len() - 1;
         // What runs over the end stays there, still.
         let over =
@@ -211,7 +203,7 @@ impl Tracker {
         for (frame, arrived) in self.arrived[rows].iter_mut().enumerate() {
             let from = |back: usize| frame.checked_sub(back).map_or(0.0, |from| chances[from]);
             let stays = if frame == last { over } else { 0.0 };
-            let anew = leap * starts[frame];
+            let anew = leap * restarts[frame];
             *arrived = [pause * from(0) + anew + stays, go * from(1), hurry * from(2)];
         }
     }
@@ -310,4 +302,21 @@ impl Tracker {
 fn shares(library: &Library) -> [f64; RATES.len()] {
     let settings = library.settings();
     [settings.pause, 1.0 - settings.pause - settings.hurry, settings.hurry]
+}
+
+/// How likely an interaction begins at each row: falling by `exp(−t/time)` within a demonstration.
+fn starts(library: &Library, time: f64) -> Vec<f64> {
+    let fall = (-library.step().seconds() / time).exp();
+    let mut starts = vec![0.0; library.points()[0].len()];
+    for exemplar in library.exemplars() {
+        let starts = &mut starts[exemplar.rows.clone()];
+        let mut chance = 1.0;
+        for start in &mut *starts {
+            *start = chance;
+            chance *= fall;
+        }
+        let total: f64 = starts.iter().sum();
+        starts.iter_mut().for_each(|start| *start /= total);
+    }
+    starts
 }

@@ -80,7 +80,7 @@ impl Measured<'_> {
             Some(crept),
             self.disturbed(),
             self.stands_after(),
-            steps.last().map(|step| self.from_any_rest(step)),
+            steps.last().map(|step| self.distance_to_rest(step)),
             Some(self.end_speed()),
         ]
     }
@@ -89,7 +89,7 @@ impl Measured<'_> {
         self.trace.steps.iter()
     }
 
-    fn from_rest(&self, step: &Step) -> f64 {
+    fn reached(&self, step: &Step) -> f64 {
         (step.robot[self.hand] - self.stage.rest()[self.hand]).norm()
     }
 
@@ -119,17 +119,17 @@ impl Measured<'_> {
     fn lag(&self) -> Option<f64> {
         let until = self.stage.contact()? + CONTACT_WINDOW;
         let there = self.steps().filter(|step| step.seconds <= until);
-        let farthest = there.clone().map(|step| self.from_rest(step)).fold(0.0, f64::max);
+        let farthest = there.clone().map(|step| self.reached(step)).fold(0.0, f64::max);
         let whole = self.giver_reach();
         if farthest < 0.5 * whole {
             return None;
         }
-        let robot = there.clone().find(|step| self.from_rest(step) >= DONE * farthest)?;
-        let mut giver = there.filter(|step| self.giver_from_rest(step.seconds) >= DONE * whole);
+        let robot = there.clone().find(|step| self.reached(step) >= DONE * farthest)?;
+        let mut giver = there.filter(|step| self.giver_reached(step.seconds) >= DONE * whole);
         Some(1000.0 * (robot.seconds - giver.next()?.seconds))
     }
 
-    fn giver_from_rest(&self, seconds: f64) -> f64 {
+    fn giver_reached(&self, seconds: f64) -> f64 {
         let [there, start] = [seconds, 0.0].map(|s| self.stage.giver(s).positions[self.hand]);
         (there - start).norm()
     }
@@ -153,10 +153,10 @@ impl Measured<'_> {
 
     /// How far the hand is from where it was at the start or, if that is nearer, from where the
     /// giver's hand rests with nothing in it, at the planned end.
-    fn from_any_rest(&self, step: &Step) -> f64 {
+    fn distance_to_rest(&self, step: &Step) -> f64 {
         let scene = self.stage.scene();
         let done = scene.pose(ROBOT, scene.moments().end).positions[self.hand];
-        f64::min(self.from_rest(step), (step.robot[self.hand] - done).norm())
+        f64::min(self.reached(step), (step.robot[self.hand] - done).norm())
     }
 
     /// Speed and acceleration of any joint's target, by differences of neighbouring ticks.

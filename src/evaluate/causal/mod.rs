@@ -13,7 +13,7 @@ use crate::kinematics::{minimum_jerk, two_bone};
 use crate::online::{OnlineError, OnlineModel, Perception, Pipeline, Replay, mean_pose};
 use crate::predict::{Method, Predictor};
 use crate::skeleton::Part;
-use crate::track::Who;
+use crate::track::{Followed, Who};
 use promp::Promp;
 
 /// The robot's joints by one method, frame by frame: `[m]`, `frames × joints`.
@@ -40,9 +40,13 @@ pub(super) fn predict(
         let library = model.library();
         match method {
             Method::Knn => mean_pose(library, followed, Who::Robot, 0.0, *base, pose),
-            Method::Replay => mean_pose(library, &followed[..1], Who::Robot, 0.0, *base, pose),
+            Method::Replay => {
+                let alone = Followed { weight: 1.0, ..followed[0] };
+                mean_pose(library, &[alone], Who::Robot, 0.0, *base, pose);
+            }
             Method::Attach => {
-                mean_pose(library, &followed[..1], Who::Robot, 0.0, *base, pose);
+                let alone = Followed { weight: 1.0, ..followed[0] };
+                mean_pose(library, &[alone], Who::Robot, 0.0, *base, pose);
                 attach(model, &perception, observation, &frame.positions, pose);
             }
             _ => promp.predict(model, &perception, &frame.positions, *base, pose),
