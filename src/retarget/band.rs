@@ -205,13 +205,16 @@ impl BandMatrix {
             let (first, start) = self.first_of(row);
             let (solved, rest) = rhs.split_at_mut(row);
             let coefficients = &self.values[row * width + start..][..row - first];
-            let mut sum = rest[0];
-            for (coefficient, value) in coefficients.iter().zip(&solved[first..]) {
-                for w in 0..W {
-                    sum[w] = (-coefficient).mul_add(value[w], sum[w]);
-                }
+            let solved = &solved[first..];
+            // As many sums at once as fill the registers: one would wait for itself.
+            let sum = if W == 1 {
+                weighted_sum::<W, 8>(coefficients, solved)
+            } else {
+                weighted_sum::<W, 4>(coefficients, solved)
+            };
+            for w in 0..W {
+                rest[0][w] = (rest[0][w] - sum[w]) * self.inverse_diagonal[row];
             }
-            rest[0] = sum.map(|s| s * self.inverse_diagonal[row]);
         }
         for row in (0..self.size).rev() {
             let (first, start) = self.first_of(row);
@@ -275,6 +278,39 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     }
     let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
     rest + sums.iter().sum::<f64>()
+}
+
+/// `Σ coefficientᵢ · rowᵢ`, by `L` sums that do not wait for each other.
+#[inline(always)]
+fn weighted_sum<const W: usize, const L: usize>(
+    coefficients: &[f64],
+    rows: &[[f64; W]],
+) -> [f64; W] {
+    let mut sums = [[0.0; W]; L];
+    for (coefficients, rows) in coefficients.chunks(L).zip(rows.chunks(L)) {
+        if let (Ok(coefficients), Ok(rows)) =
+            (<&[f64; L]>::try_from(coefficients), <&[[f64; W]; L]>::try_from(rows))
+        {
+            for lane in 0..L {
+                for w in 0..W {
+                    sums[lane][w] = coefficients[lane].mul_add(rows[lane][w], sums[lane][w]);
+                }
+            }
+        } else {
+            for ((sum, coefficient), row) in sums.iter_mut().zip(coefficients).zip(rows) {
+                for w in 0..W {
+                    sum[w] = coefficient.mul_add(row[w], sum[w]);
+                }
+            }
+        }
+    }
+    let mut total = [0.0; W];
+    for sum in sums {
+        for w in 0..W {
+            total[w] += sum[w];
+        }
+    }
+    total
 }
 
 /// Four dot products with a common second factor, which is then loaded once.

@@ -11,6 +11,9 @@ use crate::time::{Span, Stamp};
 /// little.
 const LONGEST_STEP: f64 = 0.5;
 
+/// A frame less likely than the likeliest by `exp(−this)` has no chance: leaps give it one again.
+const HOPELESS: f64 = 50.0;
+
 /// What one demonstration is believed to be.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct State {
@@ -149,7 +152,12 @@ impl Tracker {
             nearest = nearest.min(least);
             for (frame, row) in rows.clone().enumerate() {
                 let distance = self.predicted[row];
-                let chance = self.chances[row] * (-precision * (distance - least)).exp();
+                let unlikely = precision * (distance - least);
+                if unlikely > HOPELESS {
+                    self.chances[row] = 0.0;
+                    continue;
+                }
+                let chance = self.chances[row] * (-unlikely).exp();
                 self.chances[row] = chance;
                 total += chance;
                 frames += chance * frame as f64;
