@@ -26,7 +26,7 @@ use handovers::{DURATION, FRAME, Handover, demonstrations, lengths, model, pipel
 
 /// Handovers that nothing is learned from.
 const SEEN: u64 = 20;
-const PASSES: usize = 5;
+const PASSES: usize = 10;
 const TRANSFORMS: [(&str, Transform); 3] = [
     ("none", Transform::None),
     ("local_global", Transform::LocalGlobal),

@@ -222,11 +222,7 @@ impl BandMatrix {
             let coefficients = &self.values[row * width + start..][..row - first];
             let value = rest[0].map(|v| v * self.inverse_diagonal[row]);
             rest[0] = value;
-            for (coefficient, target) in coefficients.iter().zip(&mut open[first..]) {
-                for w in 0..W {
-                    target[w] = (-coefficient).mul_add(value[w], target[w]);
-                }
-            }
+            take_away(coefficients, value, &mut open[first..]);
         }
     }
 
@@ -286,31 +282,50 @@ fn weighted_sum<const W: usize, const L: usize>(
     coefficients: &[f64],
     rows: &[[f64; W]],
 ) -> [f64; W] {
+    let (coefficients, rows) = (coefficients.chunks_exact(L), rows.chunks_exact(L));
+    let mut total = [0.0; W];
+    for (coefficient, row) in coefficients.remainder().iter().zip(rows.remainder()) {
+        for w in 0..W {
+            total[w] = coefficient.mul_add(row[w], total[w]);
+        }
+    }
     let mut sums = [[0.0; W]; L];
-    for (coefficients, rows) in coefficients.chunks(L).zip(rows.chunks(L)) {
-        if let (Ok(coefficients), Ok(rows)) =
-            (<&[f64; L]>::try_from(coefficients), <&[[f64; W]; L]>::try_from(rows))
-        {
-            for lane in 0..L {
-                for w in 0..W {
-                    sums[lane][w] = coefficients[lane].mul_add(rows[lane][w], sums[lane][w]);
-                }
-            }
-        } else {
-            for ((sum, coefficient), row) in sums.iter_mut().zip(coefficients).zip(rows) {
-                for w in 0..W {
-                    sum[w] = coefficient.mul_add(row[w], sum[w]);
-                }
+    for (coefficients, rows) in coefficients.zip(rows) {
+        for lane in 0..L {
+            for w in 0..W {
+                sums[lane][w] = coefficients[lane].mul_add(rows[lane][w], sums[lane][w]);
             }
         }
     }
-    let mut total = [0.0; W];
     for sum in sums {
         for w in 0..W {
             total[w] += sum[w];
         }
     }
     total
+}
+
+/// Takes `coefficientᵢ · value` from each row.
+///
+/// A few rows in one go: row by row the compiler would gather each column of them first.
+#[inline(always)]
+fn take_away<const W: usize>(coefficients: &[f64], value: [f64; W], rows: &mut [[f64; W]]) {
+    const ROWS: usize = 4;
+    let coefficients = coefficients.chunks_exact(ROWS);
+    let mut rows = rows.chunks_exact_mut(ROWS);
+    let rest = coefficients.remainder();
+    for (coefficients, rows) in coefficients.zip(&mut rows) {
+        for row in 0..ROWS {
+            for w in 0..W {
+                rows[row][w] = (-coefficients[row]).mul_add(value[w], rows[row][w]);
+            }
+        }
+    }
+    for (coefficient, row) in rest.iter().zip(rows.into_remainder()) {
+        for w in 0..W {
+            row[w] = (-coefficient).mul_add(value[w], row[w]);
+        }
+    }
 }
 
 /// Four dot products with a common second factor, which is then loaded once.
