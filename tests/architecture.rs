@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// Who may import whom: a module, its layer, and the neighbours in its own layer it builds on.
 /// Whatever stands in a lower layer is allowed.
-const LAYERS: [(&str, u32, &[&str]); 20] = [
+const LAYERS: [(&str, u32, &[&str]); 23] = [
     ("geometry", 0, &[]),
     ("time", 0, &[]),
     ("statistics", 0, &[]),

@@ -1,8 +1,8 @@
-//! `handover learn` and `handover replay` of a model as a user meets them: the real process, its
-//! files, its exit code and its words.
+//! `handover learn` as a user meets it: the real process, its files, its exit code and its words.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
+#[expect(dead_code, reason = "what the figures are called is for other tests")]
 #[path = "common/clips.rs"]
 mod clips;
 mod common;
@@ -12,7 +12,7 @@ use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
-use clips::{FIGURES, FRAMES, METHODS, clips, keys};
+use clips::{clips, keys};
 use common::{check, check_json};
 use serde_json::{Value, json};
 use tempfile::TempDir;
@@ -362,52 +362,4 @@ fn a_broken_recording_is_named_and_learning_goes_on() {
     let beside = ["learn", "clips", "-o", "clips/m.safetensors", "--method", "none"];
     check(&folder, &beside, 3, &["wrote"]);
     check(&folder, &beside, 3, &["wrote"]);
-}
-
-#[test]
-fn a_model_replays_as_its_demonstrations_do() {
-    let folder = clips(4);
-    let path = |path: &str| folder.path().join(path);
-    fs::rename(path("clips/3.csv"), path("new.csv")).unwrap();
-    check(&folder, &learn(&["--set", "evaluate.ignored_joints=[head]"]), 0, &[]);
-    let settings = [&SETTINGS[..], &["--set", "evaluate.ignored_joints=[head]"]].concat();
-    let figures = |arguments: &[&str]| {
-        check_json(&folder, &[&["replay"], arguments, &["--json"]].concat(), 0)
-    };
-    let mut gaps = Vec::new();
-    for method in &METHODS[5..] {
-        let method = ["--method", *method];
-        let by_model = figures(&[&["m.safetensors", "new.csv"], &method[..]].concat());
-        let learned_first = figures(&[&["clips", "new.csv"], &method[..], &settings].concat());
-        assert_eq!(by_model, learned_first);
-        assert_eq!((&by_model["demonstrations"], &by_model["frames"]), (&json!(3), &json!(FRAMES)));
-        assert!(FIGURES.iter().all(|figure| by_model[figure].is_number()), "{by_model}");
-        gaps.push(by_model["gap_cm"].clone());
-    }
-    assert_ne!(gaps[1], gaps[2], "the edges say something");
-    let out = ["replay", "m.safetensors", "new.csv", "-o", "out.csv"];
-    check(&folder, &out, 0, &["method mesh", "wrote out.csv"]);
-    check(&folder, &["check", "out.csv"], 0, &["24 frames"]);
-}
-
-#[test]
-fn a_model_brings_its_own_parameters_and_role() {
-    let folder = clips(4);
-    check(&folder, &learn(&["--role", "receiver"]), 0, &[]);
-    let replay = |more: &[&'static str], code: i32, words: &[&str]| {
-        check(&folder, &[&["replay", "m.safetensors", "clips/3.csv"], more].concat(), code, words)
-    };
-    let known = "left out: the model's 3; its edges know it all the same";
-    replay(&[], 0, &["the robot is receiver", known]);
-    replay(&["--role", "receiver"], 0, &[]);
-    replay(&["--role", "giver"], 2, &["the model's robot is receiver, not giver"]);
-    replay(&["--set", "mesh.scale=3"], 2, &["a model has its own parameters"]);
-    fs::write(folder.path().join("p.yaml"), "/**:\n  ros__parameters: {}\n").unwrap();
-    replay(&["--config", "p.yaml"], 2, &["a model has its own parameters"]);
-    check(&folder, &["replay", "no.safetensors", "clips/3.csv"], 1, &["no.safetensors: no such"]);
-    fs::write(folder.path().join("m.safetensors"), "nothing").unwrap();
-    replay(&[], 1, &["m.safetensors: no safetensors file"]);
-    let alone = ["replay", "clips/0.csv", "clips/1.csv"];
-    check(&folder, &alone, 1, &["cannot learn the edges", "two groups", "--method none"]);
-    check(&folder, &[&alone[..], &["--method", "none"]].concat(), 0, &[]);
 }

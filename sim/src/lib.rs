@@ -9,8 +9,10 @@
 
 pub mod body;
 mod check;
+pub mod closed_loop;
 pub mod output;
 pub mod profile;
+pub mod scenario;
 pub mod scene;
 pub mod sensor;
 

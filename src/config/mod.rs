@@ -117,7 +117,7 @@ impl Config {
     /// # Errors
     /// [`ConfigError`] with every unknown key, wrong type and value out of range.
     pub fn from_yaml(yaml: &str, settings: &[(String, String)]) -> Result<Self, ConfigError> {
-        Self::parse(yaml, settings).map(|(config, _)| config)
+        Self::default().with(yaml, settings).map(|(config, _)| config)
     }
 
     /// What a parameter file's text changes, in the order of `config/handover.yaml`.
@@ -125,10 +125,26 @@ impl Config {
     /// # Errors
     /// As [`Config::from_yaml`].
     pub fn changes(yaml: &str) -> Result<Vec<Change>, ConfigError> {
-        Self::parse(yaml, &[]).map(|(_, changes)| changes)
+        Self::default().with(yaml, &[]).map(|(_, changes)| changes)
     }
 
-    fn parse(
+    /// The same with a parameter file's text and `key=value` settings over it, and what they
+    /// change: a [`Change::default`] is what this has.
+    ///
+    /// ```
+    /// use handover_mesh::Config;
+    /// let model = Config { folds: 3, ..Config::default() };
+    /// let slower = [("safety.speed".to_owned(), "0.5".to_owned())];
+    /// let (config, changes) = model.with("", &slower)?;
+    /// assert_eq!((config.folds, config.online.safety.speed), (3, 0.5));
+    /// assert_eq!((changes.len(), changes[0].key.as_str()), (1, "safety.speed"));
+    /// # Ok::<(), handover_mesh::ConfigError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Config::from_yaml`].
+    pub fn with(
+        &self,
         yaml: &str,
         settings: &[(String, String)],
     ) -> Result<(Self, Vec<Change>), ConfigError> {
@@ -147,7 +163,7 @@ impl Config {
                 }),
             }
         }
-        Self::checked(values, violations)
+        self.checked(values, violations)
     }
 
     /// Every key with its value, dotted, in the order of `config/handover.yaml`.
@@ -173,7 +189,7 @@ impl Config {
     pub fn from_values(
         values: impl IntoIterator<Item = (String, Value)>,
     ) -> Result<Self, ConfigError> {
-        Self::checked(values.into_iter().collect(), Vec::new()).map(|(config, _)| config)
+        Self::default().checked(values.into_iter().collect(), Vec::new()).map(|(config, _)| config)
     }
 
     /// What is not as by default, in the order of `config/handover.yaml`.
@@ -181,15 +197,18 @@ impl Config {
     /// # Errors
     /// As [`Self::from_values`], if a setting is out of its bounds.
     pub fn differences(&self) -> Result<Vec<Change>, ConfigError> {
-        Self::checked(self.values().into_iter().collect(), Vec::new()).map(|(_, changes)| changes)
+        Self::default()
+            .checked(self.values().into_iter().collect(), Vec::new())
+            .map(|(_, changes)| changes)
     }
 
     fn checked(
+        &self,
         values: BTreeMap<String, Value>,
         violations: Vec<Violation>,
     ) -> Result<(Self, Vec<Change>), ConfigError> {
         let mut fields = Fields::new(values, violations);
-        let config = Self::from_fields(&mut fields, Self::default());
+        let config = Self::from_fields(&mut fields, self.clone());
         let changes = fields.finish().map_err(ConfigError::Violations)?;
         Ok((config, changes))
     }
@@ -247,6 +266,8 @@ impl Config {
         fields.count("forecast.averaged", &mut forecast.averaged, 1, 1000);
         fields.float("forecast.joint_damping", &mut forecast.joint_damping, 1e-3, 1e3);
         fields.float("forecast.root_damping", &mut forecast.root_damping, 1e-3, 1e3);
+        // The tick forecasts as evaluations do.
+        online.forecast.clone_from(forecast);
         online::take(fields, online);
         fields.float("baseline.ridge_penalty", &mut predict.ridge_penalty, 1e-9, 1e6);
         fields.count("baseline.promp_bases", &mut predict.promp_bases, 2, 200);
@@ -380,7 +401,8 @@ mod tests {
         let numbers = default.as_f64().map(|n| [n / 2.0, n + 0.1]).into_iter().flatten();
         let whole = default.as_u64().map(|n| n + 1).map(Value::from);
         let words = ["uniform", "implicit", "soft", "neck", "grow", "none", "knn"].map(Value::from);
-        let others = [Value::from(true), Value::from(false), vec!["head"].into()];
+        let space = vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+        let others = [true.into(), false.into(), vec!["head"].into(), Value::from(space)];
         let candidates = numbers
             .map(Value::from)
             .chain(whole)

@@ -18,6 +18,7 @@ pub(super) fn take(fields: &mut Fields, online: &mut OnlineSettings) {
     fields.count("window.past", &mut online.past, 0, 60);
     fields.count("window.future", &mut online.future, 1, 120);
     fields.float("window.trust", &mut online.trust, 0.001, 60.0);
+    fields.float("window.contact_hold", &mut online.contact_hold, 0.0, 60.0);
     fields.float("window.refactor", &mut online.refactor, 0.0, 1.0);
     take_safety(fields, &mut online.safety);
 }
@@ -52,6 +53,7 @@ fn take_track(fields: &mut Fields, track: &mut TrackSettings) {
     fields.float("track.distance_weight", &mut track.distance_weight, 0.0, 100.0);
     fields.count("track.dimensions", &mut track.dimensions, 1, 1000);
     fields.float("track.spread", &mut track.spread, 0.001, 10.0);
+    fields.float("track.start", &mut track.start, 0.01, 600.0);
     fields.float("track.pause", &mut track.pause, 0.0, 0.45);
     fields.float("track.hurry", &mut track.hurry, 0.0, 0.45);
     fields.float("track.leap", &mut track.leap, 0.0, 0.5);

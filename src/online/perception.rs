@@ -52,9 +52,9 @@ impl Perception {
     }
 
     /// Forgets everything.
-    pub fn reset(&mut self, model: &OnlineModel) {
+    pub fn reset(&mut self) {
         self.first = RECENT;
-        self.tracker.reset(&model.library);
+        self.tracker.reset();
     }
 
     /// Takes in the partner's joints at a stamp later than the last.

@@ -117,7 +117,7 @@ impl Pipeline {
     /// has to say again where it is.
     pub fn reset(&mut self) {
         self.filter.reset();
-        self.perception.reset(&self.model);
+        self.perception.reset();
         self.gate.reset();
         self.robot_base = None;
         self.body = None;
@@ -185,7 +185,7 @@ impl Pipeline {
         let partner = partner.map_err(|doubt| reason(doubt, model.settings.stop_after))?;
         let base = self.robot_base.ok_or(HoldReason::NoRobot)?;
         if partner.is_new() {
-            perception.reset(model);
+            perception.reset();
         }
         if partner.is_fresh() {
             perception.see(model, partner.stamp(), partner.positions(), base);

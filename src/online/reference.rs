@@ -122,7 +122,8 @@ fn hold_gap(
         return;
     };
     let seconds = (belief.contact - ahead) * model.library.step().seconds();
-    let share = minimum_jerk(1.0 - seconds.abs() / model.predict.contact_fade);
+    let off = (seconds.abs() - model.settings.contact_hold).max(0.0);
+    let share = minimum_jerk(1.0 - off / model.predict.contact_fade);
     let world_from_heading = yaw_isometry(partner_skeleton.heading(seen), Vector::zeros());
     let gap = world_from_heading * model.gap(belief.hands);
     let goal = partner[partner_hand.index()] + gap;

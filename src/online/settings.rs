@@ -28,6 +28,9 @@ pub struct OnlineSettings {
     /// How soon a forecast of the partner counts for less than how the demonstrations go on
     /// `[s]`, > 0: its share falls by `exp(−t/this)`.
     pub trust: f64,
+    /// How far off the moment of contact may be foreseen `[s]`, ≥ 0: for so long before and after
+    /// it the reference holds the gap at contact in full.
+    pub contact_hold: f64,
     /// By how much a weight may change before the system is factored anew, as a share of itself
     /// `[-]`, ≥ 0.
     pub refactor: f64,
@@ -45,6 +48,7 @@ impl Default for OnlineSettings {
             past: 2,
             future: 15,
             trust: 0.5,
+            contact_hold: 0.4,
             refactor: 1e-3,
         }
     }

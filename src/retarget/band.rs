@@ -307,7 +307,8 @@ fn weighted_sum<const W: usize, const L: usize>(
 
 /// Takes `coefficientᵢ · value` from each row.
 ///
-/// A few rows in one go: row by row the compiler would gather each column of them first.
+/// A few rows in one go, in local arrays: only of those does the compiler know that they do not
+/// overlap the coefficients; and row by row it would gather each column of them first.
 #[inline(always)]
 fn take_away<const W: usize>(coefficients: &[f64], value: [f64; W], rows: &mut [[f64; W]]) {
     const ROWS: usize = 4;
@@ -315,11 +316,15 @@ fn take_away<const W: usize>(coefficients: &[f64], value: [f64; W], rows: &mut [
     let mut rows = rows.chunks_exact_mut(ROWS);
     let rest = coefficients.remainder();
     for (coefficients, rows) in coefficients.zip(&mut rows) {
+        let (mut factors, mut block) = ([0.0; ROWS], [[0.0; W]; ROWS]);
+        factors.copy_from_slice(coefficients);
+        block.copy_from_slice(rows);
         for row in 0..ROWS {
             for w in 0..W {
-                rows[row][w] = (-coefficients[row]).mul_add(value[w], rows[row][w]);
+                block[row][w] = (-factors[row]).mul_add(value[w], block[row][w]);
             }
         }
+        rows.copy_from_slice(&block);
     }
     for (coefficient, row) in rest.iter().zip(rows.into_remainder()) {
         for w in 0..W {

@@ -261,7 +261,7 @@ impl SafetyGate {
     fn approach(&mut self, poses: &Poses<'_>, partner: &PartnerBody) -> Result<(), HoldReason> {
         let share = self.share();
         let mut why = HoldReason::Limits;
-        for stretch in [1.0, 1.5, 2.25] {
+        for stretch in [1.0, 1.5, 2.25, 3.4, 5.0] {
             let time = self.settings.aim * stretch;
             let aims = &mut self.aims;
             if follow(poses, &self.chain, time, &self.state, &mut self.scratch, aims) {

@@ -33,14 +33,14 @@ pub struct SafetySettings {
 impl Default for SafetySettings {
     fn default() -> Self {
         Self {
-            speed: 1.5,
-            acceleration: 8.0,
-            jerk: 120.0,
+            speed: 1.7,
+            acceleration: 13.0,
+            jerk: 1000.0,
             workspace: None,
             separation: 0.2,
             partner_speed: 0.0,
             lead: 0.05,
-            aim: 0.2,
+            aim: 0.1,
             recover: 0.5,
         }
     }

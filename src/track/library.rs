@@ -69,6 +69,10 @@ pub enum Who {
     Partner,
 }
 
+/// How fast a demonstration may be gone through from one frame of the grid to the next, as a
+/// multiple of its own tempo: whoever pauses has its places, not its velocities.
+pub(super) const RATES: [f64; 3] = [0.0, 1.0, 2.0];
+
 /// Demonstrations to be followed: immutable, shared between threads.
 #[derive(Debug, Clone)]
 pub struct Library {
@@ -76,7 +80,8 @@ pub struct Library {
     skeletons: [Arc<Skeleton>; 2],
     bases: [JointId; 2],
     pca: Pca,
-    points: Rows,
+    /// Of moments as they were, and of the same as they would be at another [`RATES`].
+    points: [Rows; 3],
     step: Span,
     /// Farther from all moments than this `[m]` is no demonstrated interaction.
     familiar: f64,
@@ -134,7 +139,16 @@ impl Library {
         }
         let features = Rows::new(feature_count(&skeletons[1]), features)?;
         let pca = Pca::fit(&features, Dimensions::Count(settings.dimensions))?;
-        let points = pca.project(&features);
+        let at_rate = |rate: f64| -> Result<Rows, MotionError> {
+            let mut paced = features.values().to_vec();
+            for row in paced.chunks_exact_mut(features.width()) {
+                let velocities = velocities(&skeletons[1]);
+                row[velocities].iter_mut().for_each(|value| *value *= rate);
+            }
+            Ok(pca.project(&Rows::new(features.width(), paced)?))
+        };
+        let [still, usual, hurried] = RATES.map(at_rate);
+        let points = [still?, usual?, hurried?];
         let mut library =
             Self { exemplars, skeletons, bases, pca, points, step, familiar: 0.0, settings };
         library.familiar = library.settings.strangeness * library.own_distance();
@@ -148,11 +162,11 @@ impl Library {
         let mut nearest: Vec<f64> = Vec::new();
         for exemplar in &self.exemplars {
             for row in exemplar.rows.clone().step_by(EVERY) {
-                let here = self.points.row(row);
+                let here = self.points[1].row(row);
                 let others = self.exemplars.iter().filter(|other| other.rows != exemplar.rows);
                 let distances = others
                     .flat_map(|other| other.rows.clone())
-                    .map(|other| squared_distance(here, self.points.row(other)));
+                    .map(|other| squared_distance(here, self.points[1].row(other)));
                 let least = distances.fold(f64::INFINITY, f64::min);
                 if least.is_finite() {
                     nearest.push(least.sqrt());
@@ -188,8 +202,9 @@ impl Library {
         &self.settings
     }
 
-    /// Latent places of all moments, the first demonstration's first.
-    pub(super) fn points(&self) -> &Rows {
+    /// Latent places of all moments, the first demonstration's first, gone through at each of
+    /// [`RATES`].
+    pub(super) fn points(&self) -> &[Rows; 3] {
         &self.points
     }
 
@@ -277,6 +292,11 @@ pub(super) fn squared_distance(a: &[f64], b: &[f64]) -> f64 {
         }
     }
     sums.iter().sum::<f64>() + rest
+}
+
+/// Which of a moment's features are velocities.
+fn velocities(partner: &Skeleton) -> Range<usize> {
+    3 * (partner.len() - 1)..Moment::feature_count(partner.len())
 }
 
 fn feature_count(partner: &Skeleton) -> usize {

@@ -3,9 +3,10 @@
 //!
 //! The path of the data: demonstrations → [`Library`] (each on one grid of time, its moments in a
 //! latent space); the partner's moment → [`Tracker::observe`] → [`Belief`]. Within a demonstration
-//! time is a hidden Markov chain that goes forward, pauses or hurries (`P(f|d) ∝ e(f) Σ P(g|d)
-//! a(f−g)`, Rabiner 1989, eq. 20); demonstrations weigh by how near the partner has kept to them
-//! of late.
+//! time is a hidden Markov chain that goes forward, pauses or hurries (`P(f|d) ∝ Σ P(g|d) a(f−g)
+//! e(f, f−g)`, Rabiner 1989, eq. 20; what is seen depends on how the frame was come to: a pause has
+//! its places and no velocities, so that a partner who stops half-way is half-way, not at an end);
+//! demonstrations weigh by how near the partner has kept to them of late.
 //!
 //! Uses the past alone. Knows nothing of meshes, targets or limits.
 

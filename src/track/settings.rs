@@ -18,12 +18,15 @@ pub struct TrackSettings {
     /// How far a moment is from the demonstrated one at the same place in time `[m]`, as a
     /// standard deviation, > 0.
     pub spread: f64,
+    /// How far from its beginning a demonstration is taken up before anything is seen `[s]`, > 0:
+    /// the chance falls by `exp(−t/this)`.
+    pub start: f64,
     /// How likely time stands still for a frame `[-]`, and how likely it goes twice as fast; their
     /// sum is below 1.
     pub pause: f64,
     /// See [`Self::pause`].
     pub hurry: f64,
-    /// How likely time is anywhere else in the demonstration, per frame `[-]`, 0 to 0.5.
+    /// How likely the interaction begins anew, per frame `[-]`, 0 to 0.5.
     pub leap: f64,
     /// How long ago still counts for which demonstrations are followed `[s]`, > 0.
     pub memory: f64,
@@ -39,12 +42,13 @@ impl Default for TrackSettings {
         Self {
             rate: 30.0,
             demonstrations: 5,
-            velocity_weight: 0.25,
+            velocity_weight: 0.4,
             velocity_window: 0.1,
             distance_weight: 0.2,
             dimensions: 16,
             spread: 0.05,
-            pause: 0.25,
+            start: 2.0,
+            pause: 0.3,
             hurry: 0.25,
             leap: 1e-3,
             memory: 1.0,

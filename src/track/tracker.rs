@@ -1,6 +1,6 @@
 //! The filter over (demonstration, frame).
 
-use super::library::{Who, squared_distance};
+use super::library::{RATES, Who, squared_distance};
 use super::{Belief, Followed, Library};
 use crate::demonstration::Hands;
 use crate::forecast::Moment;
@@ -11,8 +11,18 @@ use crate::time::{Span, Stamp};
 /// little.
 const LONGEST_STEP: f64 = 0.5;
 
-/// A frame less likely than the likeliest by `exp(−this)` has no chance: leaps give it one again.
-const HOPELESS: f64 = 50.0;
+/// Rows this much less likely than the likeliest are taken for impossible `[-]`.
+const NEGLIGIBLE: f64 = 1e-6;
+
+/// What a look at one demonstration says.
+struct Seen {
+    /// Expected frame.
+    frame: f64,
+    /// Expected distance `[m]`.
+    distance: f64,
+    /// Distance of the nearest row that can be come to `[m]`.
+    nearest: f64,
+}
 
 /// What one demonstration is believed to be.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,7 +50,12 @@ impl State {
 pub struct Tracker {
     /// `P(f|d)` of all demonstrations one after another.
     chances: Vec<f64>,
-    predicted: Vec<f64>,
+    /// Where an interaction begins, of all demonstrations one after another.
+    starts: Vec<f64>,
+    /// How likely each row is come to at each rate.
+    arrived: Vec<[f64; RATES.len()]>,
+    /// Squared distance of the partner's moment to each row, gone through at each rate.
+    distances: Vec<[f64; RATES.len()]>,
     states: Vec<State>,
     order: Vec<usize>,
     features: Vec<f64>,
@@ -54,17 +69,19 @@ pub struct Tracker {
 impl Tracker {
     /// Nothing has been seen.
     pub fn new(library: &Library) -> Self {
-        let rows = library.points().len();
+        let rows = library.points()[0].len();
         let count = library.exemplars().len();
         let hands = library.exemplars()[0].hands;
         let most = library.settings().demonstrations.min(count);
         let mut tracker = Self {
             chances: vec![0.0; rows],
-            predicted: vec![0.0; rows],
+            starts: vec![0.0; rows],
+            arrived: vec![[0.0; RATES.len()]; rows],
+            distances: vec![[0.0; RATES.len()]; rows],
             states: vec![State { cost: 0.0, frame: 0.0, tempo: 1.0, turn: [0.0; 2] }; count],
             order: (0..count).collect(),
             features: vec![0.0; library.feature_count()],
-            point: vec![0.0; library.points().width()],
+            point: vec![0.0; library.points()[0].width()],
             last: None,
             rest: 0.0,
             belief: Belief {
@@ -76,18 +93,26 @@ impl Tracker {
                 contact: 0.0,
             },
         };
-        tracker.reset(library);
+        let fall = (-library.step().seconds() / library.settings().start).exp();
+        for exemplar in library.exemplars() {
+            let starts = &mut tracker.starts[exemplar.rows.clone()];
+            let mut chance = 1.0;
+            for start in &mut *starts {
+                *start = chance;
+                chance *= fall;
+            }
+            let total: f64 = starts.iter().sum();
+            starts.iter_mut().for_each(|start| *start /= total);
+        }
+        tracker.reset();
         tracker
     }
 
     /// Forgets everything: the next interaction may be anywhere in any demonstration.
-    pub fn reset(&mut self, library: &Library) {
+    pub fn reset(&mut self) {
         self.last = None;
         self.rest = 0.0;
-        for exemplar in library.exemplars() {
-            let share = 1.0 / exemplar.len() as f64;
-            self.chances[exemplar.rows.clone()].fill(share);
-        }
+        self.chances.copy_from_slice(&self.starts);
         self.belief.followed.clear();
         self.belief.distance = f64::INFINITY;
         self.belief.is_familiar = false;
@@ -131,52 +156,26 @@ impl Tracker {
         let whole = ((self.rest + elapsed) / grid).round();
         self.rest += elapsed - whole * grid;
         let settings = library.settings();
-        let precision = 0.5 / (settings.spread * settings.spread);
+        // Two looks a frame tell no more than one: what is off is off in both.
+        let looks = if is_first { 1.0 } else { (elapsed / grid).min(1.0) };
+        let precision = 0.5 * looks / (settings.spread * settings.spread);
         let forgotten = if is_first { 1.0 } else { 1.0 - (-elapsed / settings.memory).exp() };
         let paced = 1.0 - (-elapsed / settings.pace_memory).exp();
         let partner_base = moment.positions()[moment.root().index()];
         let mut nearest = f64::INFINITY;
-        for (at, exemplar) in library.exemplars().iter().enumerate() {
-            let rows = exemplar.rows.clone();
-            for _ in 0..whole as usize {
+        for at in 0..library.exemplars().len() {
+            for _ in 1..whole as usize {
                 self.step(library, at);
             }
-            let (mut total, mut frames, mut distances) = (0.0, 0.0, 0.0);
-            // The nearest place at all, so that no exponential underflows for all of them.
-            let mut least = f64::INFINITY;
-            for row in rows.clone() {
-                let distance = squared_distance(&self.point, library.points().row(row));
-                self.predicted[row] = distance;
-                least = least.min(distance);
-            }
-            nearest = nearest.min(least);
-            for (frame, row) in rows.clone().enumerate() {
-                let distance = self.predicted[row];
-                let unlikely = precision * (distance - least);
-                if unlikely > HOPELESS {
-                    self.chances[row] = 0.0;
-                    continue;
-                }
-                let chance = self.chances[row] * (-unlikely).exp();
-                self.chances[row] = chance;
-                total += chance;
-                frames += chance * frame as f64;
-                distances += chance * distance.sqrt();
-            }
+            let seen = self.look(library, at, whole > 0.0, precision);
+            nearest = nearest.min(seen.nearest);
             let state = &mut self.states[at];
-            if total > 0.0 {
-                self.chances[rows.clone()].iter_mut().for_each(|chance| *chance /= total);
-                if whole > 0.0 && !is_first {
-                    let went = ((frames / total - state.frame) / whole).clamp(0.0, 2.0);
-                    state.tempo += paced * (went - state.tempo);
-                }
-                state.frame = frames / total;
-                state.cost += forgotten * (distances / total - state.cost);
-            } else {
-                // Whatever was believed is impossible: anywhere, then.
-                self.chances[rows.clone()].fill(1.0 / rows.len() as f64);
-                state.cost += forgotten * (least.sqrt() - state.cost);
+            if whole > 0.0 && !is_first {
+                let went = ((seen.frame - state.frame) / whole).clamp(0.0, 2.0);
+                state.tempo += paced * (went - state.tempo);
             }
+            state.frame = seen.frame;
+            state.cost += forgotten * (seen.distance - state.cost);
             let place = |who| library.position(at, who, state.frame, library.base(who));
             let there = place(Who::Partner) - place(Who::Robot);
             let here = partner_base - robot_base;
@@ -185,28 +184,84 @@ impl Tracker {
                 *kept += forgotten * (new - *kept);
             }
         }
-        self.choose(library, nearest.sqrt(), forgotten);
+        self.choose(library, nearest, forgotten);
         &self.belief
     }
 
-    /// One frame of the grid passes in one demonstration.
+    /// One frame of the grid passes in one demonstration, unseen.
     fn step(&mut self, library: &Library, at: usize) {
-        let settings = library.settings();
+        self.arrive(library, at);
         let rows = library.exemplars()[at].rows.clone();
-        let leap = settings.leap / rows.len() as f64;
-        let (pause, hurry) = (settings.pause, settings.hurry);
-        let go = 1.0 - pause - hurry;
-        let chances = &mut self.chances[rows];
-        let last = chances.len() - 1;
-        // What runs over the end stays there: an interaction that is over is not another one.
-        let over = chances[last] * (go + hurry)
-            + last.checked_sub(1).map_or(0.0, |before| chances[before] * hurry);
-        for frame in (0..=last).rev() {
-            let from = |back: usize| frame.checked_sub(back).map_or(0.0, |from| chances[from]);
-            let arrived = pause * from(0) + go * from(1) + hurry * from(2);
-            chances[frame] = (1.0 - settings.leap) * arrived + leap;
+        for (chance, arrived) in self.chances[rows.clone()].iter_mut().zip(&self.arrived[rows]) {
+            *chance = arrived.iter().sum();
         }
-        chances[last] += (1.0 - settings.leap) * over;
+    }
+
+    /// How likely each row of a demonstration is come to in one frame of the grid, at each of
+    /// [`RATES`].
+    fn arrive(&mut self, library: &Library, at: usize) {
+        let rows = library.exemplars()[at].rows.clone();
+        let leap = library.settings().leap;
+        let [pause, go, hurry] = shares(library).map(|share| (1.0 - leap) * share);
+        let (chances, starts) = (&self.chances[rows.clone()], &self.starts[rows.clone()]);
+        let last = chances.len() - 1;
+        // What runs over the end stays there, still.
+        let over =
+            (go + hurry) * chances[last] + last.checked_sub(1).map_or(0.0, |k| hurry * chances[k]);
+        for (frame, arrived) in self.arrived[rows].iter_mut().enumerate() {
+            let from = |back: usize| frame.checked_sub(back).map_or(0.0, |from| chances[from]);
+            let stays = if frame == last { over } else { 0.0 };
+            let anew = leap * starts[frame];
+            *arrived = [pause * from(0) + anew + stays, go * from(1), hurry * from(2)];
+        }
+    }
+
+    /// Weighs one demonstration's rows by what is seen.
+    ///
+    /// - `passes`: whether a frame of the grid passes.
+    /// - `precision`: of squared distances `[1/m²]`.
+    fn look(&mut self, library: &Library, at: usize, passes: bool, precision: f64) -> Seen {
+        let rows = library.exemplars()[at].rows.clone();
+        if passes {
+            self.arrive(library, at);
+        } else {
+            let shares = shares(library);
+            for row in rows.clone() {
+                self.arrived[row] = shares.map(|share| share * self.chances[row]);
+            }
+        }
+        // Rows that hardly anything leads to are left out: most of them, once something is seen.
+        let arrived = self.arrived[rows.clone()].iter().flatten();
+        let least = NEGLIGIBLE * arrived.fold(0.0, |most: f64, chance| most.max(*chance));
+        // From the nearest on, so that no exponential underflows for all of them.
+        let mut nearest = f64::INFINITY;
+        for row in rows.clone() {
+            for rate in 0..RATES.len() {
+                if self.arrived[row][rate] > least {
+                    let distance = squared_distance(&self.point, library.points()[rate].row(row));
+                    self.distances[row][rate] = distance;
+                    nearest = nearest.min(distance);
+                }
+            }
+        }
+        let (mut total, mut frames, mut distances) = (0.0, 0.0, 0.0);
+        for (frame, row) in rows.clone().enumerate() {
+            let mut sum = 0.0;
+            for rate in 0..RATES.len() {
+                let arrived = self.arrived[row][rate];
+                if arrived > least {
+                    let distance = self.distances[row][rate];
+                    let chance = arrived * (-precision * (distance - nearest)).exp();
+                    distances += chance * distance.sqrt();
+                    sum += chance;
+                }
+            }
+            self.chances[row] = sum;
+            total += sum;
+            frames += sum * frame as f64;
+        }
+        self.chances[rows].iter_mut().for_each(|chance| *chance /= total);
+        Seen { frame: frames / total, distance: distances / total, nearest: nearest.sqrt() }
     }
 
     /// Which demonstrations are followed, and what they say together.
@@ -249,4 +304,10 @@ impl Tracker {
         };
         belief.is_familiar = belief.distance <= library.familiar();
     }
+}
+
+/// How likely a frame of the grid takes a demonstration on at each of [`RATES`].
+fn shares(library: &Library) -> [f64; RATES.len()] {
+    let settings = library.settings();
+    [settings.pause, 1.0 - settings.pause - settings.hurry, settings.hurry]
 }

@@ -171,6 +171,10 @@ fn configs() -> impl Strategy<Value = Config> {
             config.predict.smoothing = smoothing;
             config.predict.demonstrations = demonstrations;
             config.predict.retarget.rotation_memory = memory;
+            config.online.trust = memory + 0.001;
+            config.online.filter.stale = smoothing + 0.01;
+            config.online.safety.workspace =
+                uniform.then(|| [Point::origin(), Point::new(1.0, 1.0, memory)]);
             config.predict.kernel = if uniform {
                 handover_mesh::mesh::Kernel::Uniform
             } else {

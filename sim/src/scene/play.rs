@@ -178,11 +178,26 @@ impl Scene {
     /// # Errors
     /// [`RecordError`] if there are no stamps or they do not rise.
     pub fn record(&self, name: &str, stamps: &[Stamp]) -> Result<Take, RecordError> {
+        self.record_at(name, stamps, |seconds| seconds)
+    }
+
+    /// Records the scene at these instants, played at another pace.
+    ///
+    /// - `scene_time`: seconds from stamp 0 → seconds of the scene.
+    ///
+    /// # Errors
+    /// As [`Self::record`].
+    pub fn record_at(
+        &self,
+        name: &str,
+        stamps: &[Stamp],
+        scene_time: impl Fn(f64) -> f64,
+    ) -> Result<Take, RecordError> {
         let skeleton = Skeleton::nite();
         let mut clamped_frames = [0; 2];
         let mut person = |role: Role, name: &str| -> Result<Person, SequenceError> {
             let frames = stamps.iter().map(|&stamp| {
-                let pose = self.pose(role, stamp.seconds());
+                let pose = self.pose(role, scene_time(stamp.seconds()));
                 clamped_frames[role as usize] += usize::from(pose.shortfall > 0.0);
                 Frame { stamp, positions: pose.positions.into() }
             });
@@ -190,7 +205,7 @@ impl Scene {
             Ok(Person { name: name.into(), motion })
         };
         let people = [person(Role::First, GIVER)?, person(Role::Second, RECEIVER)?];
-        let places = stamps.iter().map(|&stamp| (stamp, self.object(stamp.seconds())));
+        let places = stamps.iter().map(|&stamp| (stamp, self.object(scene_time(stamp.seconds()))));
         let object = ObjectTrack { name: OBJECT.into(), places: places.collect() };
         let class = BTreeMap::from([("class".into(), "handover".into())]);
         let truth = Recording::new(name, people, Some(object), class)?;

@@ -49,7 +49,7 @@ pub(crate) enum Command {
     Import(Import),
     /// Learn a model: which edges between the people a movement needs
     Learn(Learn),
-    /// Retarget a recording's robot role from demonstrations or a model
+    /// Put a recording to the robot, tick by tick
     Replay(Replay),
     /// Measure all methods against what people did
     Evaluate(Evaluate),
@@ -122,29 +122,38 @@ pub(crate) struct Learn {
     pub(crate) selection: Selection,
 }
 
-/// Retarget a recording's robot role from demonstrations or a model.
+/// Put a recording to the robot, tick by tick.
 ///
-/// The robot sees the partner's whole motion and where its own base is; what the person in its
-/// role really did is only what the result is measured against. A recording that lies among the
-/// demonstrations is left out of them. A model brings its edges, parameters and role along;
-/// without one, the edges of `mesh` are learned first.
+/// At each frame the partner is sighted as recorded, by the recorded clock, and the robot is moved
+/// as it would be live: filter, tracker, mesh, safety gate. It sees the partner's past and where
+/// its own base is; what the person in its role really did is only what the result is measured
+/// against. --method none is the same without edges between the people; the other methods know the
+/// past alone as well, but have no tick. With --whole a method sees the partner's whole motion.
+///
+/// A recording that lies among the demonstrations is left out of them. A model brings its edges,
+/// parameters and role along, and takes parameters of the sections tick, filter, track, window and
+/// safety over its own; without one, the edges of `mesh` are learned first.
 #[derive(Debug, Args)]
 pub(crate) struct Replay {
-    /// A demonstration, a folder searched for demonstrations, or a model (.safetensors)
-    #[arg(value_name = "DEMO")]
-    pub(crate) demonstrations: PathBuf,
+    /// A model (.safetensors), a demonstration, or a folder searched for demonstrations
+    #[arg(value_name = "MODEL")]
+    pub(crate) source: PathBuf,
     /// The recording to replay
     #[arg(value_name = "RECORDING")]
     pub(crate) recording: PathBuf,
-    /// Write the recording with the robot's joints in its role's place (.csv)
-    #[arg(long, short, value_name = "OUT")]
+    /// Write the recording with the robot's joints in its role's place (.csv), or what every tick
+    /// was given and said (.jsonl; beside it .ticks.csv, how long each took)
+    #[arg(long, short, value_name = "TRACE")]
     pub(crate) out: Option<PathBuf>,
     /// The person the robot stands in for [default: the model's; else giver, else B]
     #[arg(long, value_name = "R")]
     pub(crate) role: Option<String>,
-    /// How the robot's joints are found
+    /// How the robot's joints are found; mesh and none by the tick
     #[arg(long, value_name = "METHOD", default_value = "mesh", value_parser = method_parser())]
     pub(crate) method: String,
+    /// Let the method see the partner's whole motion, not the past alone
+    #[arg(long)]
+    pub(crate) whole: bool,
     #[command(flatten)]
     pub(crate) selection: Selection,
 }

@@ -23,7 +23,7 @@ use crate::progress::Progress;
 use names::{Place, distinct_names};
 use search::Found;
 pub(crate) use search::about;
-pub(crate) use write::{check_out, check_place, write, write_bytes, write_text};
+pub(crate) use write::{Growing, check_out, check_place, write, write_bytes, write_text};
 
 /// No recording or model is as large; what claims to be must not fill the memory.
 const LARGEST: u64 = 1 << 29;

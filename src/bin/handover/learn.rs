@@ -210,7 +210,11 @@ fn redo(
 }
 
 /// Takes the next step, with a bar for whoever waits.
-fn step(search: &mut Search, taken: &[Step], output: &Output) -> anyhow::Result<Option<Step>> {
+pub(crate) fn step(
+    search: &mut Search,
+    taken: &[Step],
+    output: &Output,
+) -> anyhow::Result<Option<Step>> {
     let (number, distance) = (taken.len() + 1, last_distance(search, taken));
     let label = format!("step {number}, distance {distance:.4} m");
     let progress = Progress::new(output, label, search.next_evaluations());

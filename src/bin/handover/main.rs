@@ -22,6 +22,7 @@ use std::process::ExitCode;
 
 use anyhow::Context as _;
 use clap::Parser as _;
+use handover_mesh::Config;
 
 use args::{Arguments, Command, Global};
 use output::Output;
@@ -69,12 +70,19 @@ fn main() -> ExitCode {
 
 fn run(arguments: &Arguments, output: &Output) -> anyhow::Result<Outcome> {
     set_jobs(&arguments.global)?;
+    let global = &arguments.global;
+    if let Command::Replay(replay) = &arguments.command
+        && files::is_model(&replay.source)
+    {
+        // What is given is over the model's parameters, not over the defaults.
+        return replay::run(replay, global, &Config::default(), output);
+    }
     // Read for every command: a wrong parameter is wrong wherever it is given.
-    let config = configuration::load(&arguments.global, &arguments.command.parameters())?;
+    let config = configuration::load(global, &arguments.command.parameters())?;
     match &arguments.command {
         Command::Import(import) => import::run(import, output),
         Command::Learn(learn) => learn::run(learn, &config, output),
-        Command::Replay(replay) => replay::run(replay, &arguments.global, &config, output),
+        Command::Replay(replay) => replay::run(replay, global, &config, output),
         Command::Evaluate(evaluate) => evaluate::run(evaluate, &config, output),
         Command::Motion(motion) => motion::run(motion, &config, output),
         Command::Check(check) => check::run(check, output),

@@ -1,7 +1,7 @@
 //! Recordings, texts and bytes → files that are whole or not there.
 
-use std::fs;
-use std::io::Write as _;
+use std::fs::{self, File};
+use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
@@ -61,16 +61,49 @@ pub(crate) fn write_text(text: &str, target: &Path) -> anyhow::Result<()> {
     write_bytes(text.as_bytes(), target)
 }
 
-/// Writes beside the target and renames, so that no half-written file ever bears its name.
+/// Writes the bytes, whole or not at all.
 pub(crate) fn write_bytes(bytes: &[u8], target: &Path) -> anyhow::Result<()> {
-    let name = target.file_name().context("no file name")?.to_string_lossy();
-    let beside = target.with_file_name(format!(".{name}.{}.tmp", std::process::id()));
-    let written = fs::File::create(&beside)
-        .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_all()))
-        .and_then(|()| fs::rename(&beside, target));
-    if written.is_err() {
-        // Perhaps it was never made; the first error is the one to tell.
-        let _ = fs::remove_file(&beside);
+    let mut file = Growing::new(target)?;
+    file.write(bytes)?;
+    file.finish()
+}
+
+/// A file that grows beside its target and is renamed once it is whole, so that no half-written
+/// file ever bears its name. Dropped before that, it is gone.
+pub(crate) struct Growing {
+    target: PathBuf,
+    beside: PathBuf,
+    file: BufWriter<File>,
+}
+
+impl Growing {
+    pub(crate) fn new(target: &Path) -> anyhow::Result<Self> {
+        let name = target.file_name().context("no file name")?.to_string_lossy();
+        let beside = target.with_file_name(format!(".{name}.{}.tmp", std::process::id()));
+        let file = File::create(&beside).with_context(|| cannot_write(target))?;
+        Ok(Self { target: target.into(), beside, file: BufWriter::new(file) })
     }
-    written.with_context(|| format!("cannot write {}", target.display()))
+
+    /// Adds to what is there.
+    pub(crate) fn write(&mut self, bytes: &[u8]) -> anyhow::Result<()> {
+        self.file.write_all(bytes).with_context(|| cannot_write(&self.target))
+    }
+
+    /// All of it is there: from now on under its name.
+    pub(crate) fn finish(mut self) -> anyhow::Result<()> {
+        let whole = self.file.flush().and_then(|()| self.file.get_ref().sync_all());
+        let renamed = whole.and_then(|()| fs::rename(&self.beside, &self.target));
+        renamed.with_context(|| cannot_write(&self.target))
+    }
+}
+
+impl Drop for Growing {
+    fn drop(&mut self) {
+        // Once renamed it is not there any more; else the first error is the one to tell.
+        let _ = fs::remove_file(&self.beside);
+    }
+}
+
+fn cannot_write(target: &Path) -> String {
+    format!("cannot write {}", target.display())
 }

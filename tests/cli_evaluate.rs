@@ -1,5 +1,5 @@
-//! `handover evaluate`, `handover replay` and parameters as a user meets them: the real process,
-//! its exit code, its words and its JSON.
+//! `handover evaluate` and parameters as a user meets them: the real process, its exit code, its
+//! words and its JSON.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
@@ -7,15 +7,12 @@
 mod clips;
 mod common;
 
-use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
 use clips::{FIGURES, FRAMES, METHODS, clips, keys};
 use common::{check, check_json, folder};
-use handover_mesh::Role;
-use handover_mesh::formats::{UpAxis, csv};
-use serde_json::{Map, Value};
+use serde_json::Value;
 
 const EVALUATE: [&str; 4] = ["evaluate", "clips", "--protocol", "leave_one_out"];
 
@@ -92,8 +89,6 @@ fn usage_errors_say_what_there_is() {
     check(&folder, &evaluate(&["--folds", "1"]), 2, &["--folds", "2..=1000"]);
     check(&folder, &evaluate(&["--group", "mood"]), 2, &["no metadata 'mood' to group by"]);
     check(&folder, &evaluate(&["-o", "e.txt"]), 2, &["e.txt", ".json"]);
-    check(&folder, &["replay", "clips", "clips/0.csv", "-o", "r.txt"], 2, &["r.txt", ".csv"]);
-    check(&folder, &["replay", "clips", "clips/0.csv", "--method", "magic"], 2, &["magic"]);
 }
 
 #[test]
@@ -126,46 +121,15 @@ fn a_broken_file_is_named_and_the_rest_goes_on() {
 fn one_clip_has_nobody_to_learn_from() {
     let folder = clips(1);
     check(&folder, &evaluate(&[]), 1, &["learns from the others and needs two"]);
-    check(
-        &folder,
-        &["replay", "clips", "clips/0.csv"],
-        1,
-        &["not learn from itself", "clips/0.csv"],
-    );
-}
-
-#[test]
-fn the_same_scene_under_another_path_is_not_learnt_from() {
-    let folder = clips(3);
-    fs::copy(folder.path().join("clips/0.csv"), folder.path().join("copy.csv")).unwrap();
-    let found = check_json(&folder, &["replay", "clips", "copy.csv", "--json"], 0);
-    assert_eq!(found["demonstrations"], 2, "the copy's original is left out");
-    check(&folder, &["replay", "clips/0.csv", "copy.csv"], 1, &["not learn from itself"]);
-
-    // Two sensors' views of one scene: the same name for it, other numbers in it.
-    for (view, number) in [("left", 0), ("right", 1)] {
-        let text = fs::read_to_string(folder.path().join(format!("clips/{number}.csv"))).unwrap();
-        let path = folder.path().join(format!("clips/{view}.csv"));
-        fs::write(path, format!("# scene=studio\n{text}")).unwrap();
-    }
-    let found = check_json(&folder, &["replay", "clips", "clips/left.csv", "--json"], 0);
-    assert_eq!(found["demonstrations"], 2, "neither the other view nor the same people");
-    fs::remove_file(folder.path().join("clips/2.csv")).unwrap();
-    fs::remove_file(folder.path().join("clips/1.csv")).unwrap();
-    fs::remove_file(folder.path().join("clips/0.csv")).unwrap();
-    check(&folder, &evaluate(&[]), 1, &["1 group"]);
 }
 
 #[test]
 fn outputs_that_would_lose_something_are_refused_before_any_work() {
     let folder = clips(3);
     let original = fs::read(folder.path().join("clips/0.csv")).unwrap();
-    let overwrite = ["replay", "clips", "clips/0.csv", "-o", "clips/0.csv"];
-    check(&folder, &overwrite, 2, &["clips/0.csv is an input"]);
     check(&folder, &["import", "clips/0.csv", "clips/0.csv"], 2, &["is the input"]);
     check(&folder, &["import", "clips", "clips"], 2, &["is the input"]);
     assert_eq!(fs::read(folder.path().join("clips/0.csv")).unwrap(), original);
-    check(&folder, &["replay", "clips", "clips/0.csv", "-o", "no/o.csv"], 2, &["no folder no"]);
     check(&folder, &evaluate(&["-o", "no/e.json"]), 2, &["no folder no"]);
 }
 
@@ -253,58 +217,6 @@ fn settings_win_over_the_file() {
     let (plain, ignoring) = (joint(&[]), joint(&["--config", "p.yaml"]));
     assert_ne!(plain, ignoring);
     assert_eq!(plain, joint(&["--config", "p.yaml", "--set", "evaluate.ignored_joints=[]"]));
-}
-
-#[test]
-fn a_replayed_robot_keeps_its_bones() {
-    let folder = clips(4);
-    let arguments = ["replay", "clips", "clips/2.csv", "-o", "out.csv"];
-    check(&folder, &arguments, 0, &["2: 24 frames, the robot is giver, method mesh", "out.csv"]);
-    check(&folder, &["check", "out.csv"], 0, &["24 frames", "pair=second"]);
-    let read = |path: &str| {
-        let bytes = fs::read(folder.path().join(path)).unwrap();
-        csv::read(&bytes, "clip", UpAxis::Z).unwrap()
-    };
-    let (truth, replayed) = (read("clips/2.csv"), read("out.csv"));
-    assert_eq!(replayed.person(Role::Second), truth.person(Role::Second), "the partner's own");
-    let (own, motion) = (&truth.person(Role::First).motion, &replayed.person(Role::First).motion);
-    for (bone, length) in motion.skeleton().bones().zip(own.bone_lengths()) {
-        for frame in 0..motion.len() {
-            let [a, b] = [bone.parent, bone.child].map(|joint| motion.position(frame, joint));
-            assert!(((a - b).norm() - length).abs() < 1e-9, "frame {frame}");
-        }
-    }
-    assert_ne!(motion, own, "predicted, not copied");
-    let found = check_json(&folder, &["replay", "clips", "clips/2.csv", "--json"], 0);
-    let expected: BTreeSet<&str> = FIGURES
-        .into_iter()
-        .chain(["recording", "role", "method", "demonstrations", "frames"])
-        .collect();
-    assert_eq!(keys(&found).into_iter().collect::<BTreeSet<_>>(), expected);
-}
-
-#[test]
-fn a_replay_does_not_learn_from_its_own_recording() {
-    let folder = clips(4);
-    let replay = |demonstrations: &str| -> Map<String, Value> {
-        let found = check_json(&folder, &["replay", demonstrations, "clips/2.csv", "--json"], 0);
-        found.as_object().unwrap().clone()
-    };
-    let among = replay("clips");
-    assert_eq!(among["demonstrations"], 3);
-    fs::create_dir(folder.path().join("others")).unwrap();
-    for name in ["0.csv", "1.csv", "3.csv"] {
-        let at = |part: &str| folder.path().join(part).join(name);
-        fs::copy(at("clips"), at("others")).unwrap();
-    }
-    assert_eq!(among, replay("others"));
-}
-
-#[test]
-fn replay_takes_one_recording() {
-    let folder = clips(3);
-    check(&folder, &["replay", "clips", "clips"], 2, &["replay takes one recording"]);
-    check(&folder, &["replay", "clips", "no.csv"], 1, &["no.csv: no such file or folder"]);
 }
 
 #[test]

@@ -1,0 +1,159 @@
+//! Typed access to dotted keys of a scenario, collecting whatever is wrong.
+
+use std::collections::BTreeMap;
+
+use handover_mesh::config::Violation;
+use serde_json::Value;
+
+use crate::check::Violations;
+
+/// Keys and values that are taken one by one; what nobody takes is unknown.
+pub(super) struct Fields {
+    values: BTreeMap<String, Value>,
+    violations: Vec<Violation>,
+    known: Vec<String>,
+}
+
+impl Fields {
+    /// Nested maps → dotted keys. An empty map stays a value, so that nobody takes it for nothing.
+    pub(super) fn of(file: &Value) -> Self {
+        let mut values = BTreeMap::new();
+        flatten("", file, &mut values);
+        Self { values, violations: Vec::new(), known: Vec::new() }
+    }
+
+    /// Whether a key is given, or one below it.
+    pub(super) fn has(&self, section: &str) -> bool {
+        let below =
+            |key: &String| key.strip_prefix(section).is_some_and(|rest| rest.starts_with('.'));
+        self.values.contains_key(section) || self.values.keys().any(below)
+    }
+
+    /// The value under a key, if it is there and `parse` takes it; else remembers the bound.
+    fn take<T>(
+        &mut self,
+        key: &str,
+        parse: impl Fn(&Value) -> Option<T>,
+        bound: impl FnOnce() -> String,
+    ) -> Option<T> {
+        self.known.push(key.to_owned());
+        let value = self.values.remove(key)?;
+        let parsed = parse(&value);
+        if parsed.is_none() {
+            self.blame(key, format!("is {value}, must be {}", bound()));
+        }
+        parsed
+    }
+
+    /// Remembers what is wrong with a key.
+    pub(super) fn blame(&mut self, key: impl Into<String>, problem: impl Into<String>) {
+        self.violations.push(Violation { key: key.into(), problem: problem.into() });
+    }
+
+    /// Remembers what a configuration found out of range, below `section`.
+    pub(super) fn blame_all(&mut self, section: &str, found: Result<(), Violations>) {
+        for violation in found.err().iter().flat_map(Violations::all) {
+            let problem = format!("is {}, must be in {}", violation.value, violation.bound);
+            self.blame(format!("{section}{}", violation.key), problem);
+        }
+    }
+
+    /// A number, whose range is checked with the others of its configuration.
+    pub(super) fn number(&mut self, key: &str, target: &mut f64) {
+        let number = self.take(key, Value::as_f64, || "a number".to_owned());
+        *target = number.unwrap_or(*target);
+    }
+
+    /// A number between two bounds, both included.
+    pub(super) fn float(&mut self, key: &str, target: &mut f64, low: f64, high: f64) {
+        *target = self.limit(key, low, high).unwrap_or(*target);
+    }
+
+    /// A number between two bounds, both included, that may be absent.
+    pub(super) fn limit(&mut self, key: &str, low: f64, high: f64) -> Option<f64> {
+        let parse = |value: &Value| value.as_f64().filter(|number| (low..=high).contains(number));
+        self.take(key, parse, || format!("a number from {low} to {high}"))
+    }
+
+    /// A whole number ≥ 0 that may be absent.
+    pub(super) fn whole(&mut self, key: &str) -> Option<u64> {
+        self.take(key, Value::as_u64, || "a whole number ≥ 0".to_owned())
+    }
+
+    /// A text that is not empty.
+    pub(super) fn text(&mut self, key: &str) -> Option<String> {
+        let text = |value: &Value| value.as_str().filter(|t| !t.is_empty()).map(str::to_owned);
+        self.take(key, text, || "text".to_owned())
+    }
+
+    /// One of some named values.
+    pub(super) fn choice<T: Copy>(&mut self, key: &str, target: &mut T, choices: &[(&str, T)]) {
+        let parse = |value: &Value| named(value, choices);
+        *target = self.take(key, parse, || one_of(choices)).unwrap_or(*target);
+    }
+
+    /// A list of named values that may be absent.
+    pub(super) fn choices<T: Copy>(&mut self, key: &str, choices: &[(&str, T)]) -> Option<Vec<T>> {
+        let parse = |value: &Value| value.as_array()?.iter().map(|v| named(v, choices)).collect();
+        self.take(key, parse, || format!("a list, each {}", one_of(choices)))
+    }
+
+    /// One of some whole numbers.
+    pub(super) fn rate(&mut self, key: &str, target: &mut u32, rates: &[u32]) {
+        let parse = |value: &Value| {
+            let rate = u32::try_from(value.as_u64()?).ok()?;
+            rates.contains(&rate).then_some(rate)
+        };
+        let list = || rates.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
+        *target = self.take(key, parse, || format!("one of {}", list())).unwrap_or(*target);
+    }
+
+    /// All violations, those of unknown keys last; none: nothing is wrong.
+    pub(super) fn finish(mut self) -> Vec<Violation> {
+        for (key, value) in &self.values {
+            let problem = format!("is {value}, but there is only {}", self.siblings(key));
+            self.violations.push(Violation { key: key.clone(), problem });
+        }
+        self.violations
+    }
+
+    /// What there is in the innermost section of a key that has anything known in it.
+    fn siblings(&self, key: &str) -> String {
+        let mut section = key;
+        loop {
+            section = section.rsplit_once('.').map_or("", |(section, _)| section);
+            let below = self.known.iter().filter_map(|known| match section {
+                "" => Some(known.as_str()),
+                section => known.strip_prefix(section)?.strip_prefix('.'),
+            });
+            let mut names: Vec<&str> = below.filter_map(|name| name.split('.').next()).collect();
+            names.dedup();
+            if !names.is_empty() || section.is_empty() {
+                return names.join(", ");
+            }
+        }
+    }
+}
+
+fn named<T: Copy>(value: &Value, choices: &[(&str, T)]) -> Option<T> {
+    choices.iter().find(|(name, _)| value.as_str() == Some(name)).map(|(_, choice)| *choice)
+}
+
+fn one_of<T>(choices: &[(&str, T)]) -> String {
+    let names: Vec<&str> = choices.iter().map(|(name, _)| *name).collect();
+    format!("one of {}", names.join(", "))
+}
+
+fn flatten(prefix: &str, value: &Value, values: &mut BTreeMap<String, Value>) {
+    match value {
+        Value::Object(map) if !map.is_empty() => {
+            for (key, value) in map {
+                let key = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
+                flatten(&key, value, values);
+            }
+        }
+        value => {
+            values.insert(prefix.to_owned(), value.clone());
+        }
+    }
+}
