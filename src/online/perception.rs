@@ -2,7 +2,7 @@
 
 use super::{OnlineModel, Scene};
 use crate::forecast::{self, ForecastMethod, Moment};
-use crate::geometry::{Point, Vector};
+use crate::geometry::{Point, Vector, yaw_isometry};
 use crate::skeleton::Frame;
 use crate::time::{Span, Stamp};
 use crate::track::{Belief, Followed, Tracker, Who};
@@ -138,11 +138,11 @@ impl Perception {
         let ahead = ahead as f64 * belief.tempo;
         let library = &model.library;
         for followed in &belief.followed {
-            let turn = crate::geometry::yaw_isometry(followed.yaw, Vector::zeros());
+            let turn = yaw_isometry(followed.yaw, Vector::zeros());
+            let pose = |frame| library.pose(followed.exemplar, Who::Partner, frame);
+            let [now, then] = [followed.frame, followed.frame + ahead].map(pose);
             for (joint, place) in library.skeleton(Who::Partner).joints().zip(&mut *frame) {
-                let position =
-                    |frame| library.position(followed.exemplar, Who::Partner, frame, joint);
-                let moved = position(followed.frame + ahead) - position(followed.frame);
+                let moved = then.position(joint) - now.position(joint);
                 *place += share * followed.weight * (turn * moved);
             }
         }

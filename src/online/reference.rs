@@ -93,11 +93,13 @@ pub fn mean_pose(
 ) {
     pose.fill(base);
     for followed in followed {
-        let turn = yaw_isometry(followed.yaw, Vector::zeros());
+        let there = library.pose(followed.exemplar, who, followed.frame + ahead);
+        let base = there.position(library.base(who));
+        let (sine, cosine) = followed.yaw.sin_cos();
+        let turned =
+            |v: Vector| Vector::new(cosine * v.x - sine * v.y, sine * v.x + cosine * v.y, v.z);
         for (joint, place) in library.skeleton(who).joints().zip(&mut *pose) {
-            let from_base =
-                library.from_base(followed.exemplar, who, followed.frame + ahead, joint);
-            *place += followed.weight * (turn * from_base);
+            *place += followed.weight * turned(there.position(joint) - base);
         }
     }
 }

@@ -205,13 +205,16 @@ impl BandMatrix {
             let (first, start) = self.first_of(row);
             let (solved, rest) = rhs.split_at_mut(row);
             let coefficients = &self.values[row * width + start..][..row - first];
-            let mut sum = rest[0];
-            for (coefficient, value) in coefficients.iter().zip(&solved[first..]) {
-                for w in 0..W {
-                    sum[w] = (-coefficient).mul_add(value[w], sum[w]);
-                }
+            let solved = &solved[first..];
+            // As many sums at once as fill the registers: one would wait for itself.
+            let sum = if W == 1 {
+                weighted_sum::<W, 8>(coefficients, solved)
+            } else {
+                weighted_sum::<W, 4>(coefficients, solved)
+            };
+            for w in 0..W {
+                rest[0][w] = (rest[0][w] - sum[w]) * self.inverse_diagonal[row];
             }
-            rest[0] = sum.map(|s| s * self.inverse_diagonal[row]);
         }
         for row in (0..self.size).rev() {
             let (first, start) = self.first_of(row);
@@ -219,11 +222,7 @@ impl BandMatrix {
             let coefficients = &self.values[row * width + start..][..row - first];
             let value = rest[0].map(|v| v * self.inverse_diagonal[row]);
             rest[0] = value;
-            for (coefficient, target) in coefficients.iter().zip(&mut open[first..]) {
-                for w in 0..W {
-                    target[w] = (-coefficient).mul_add(value[w], target[w]);
-                }
-            }
+            take_away(coefficients, value, &mut open[first..]);
         }
     }
 
@@ -275,6 +274,63 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     }
     let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
     rest + sums.iter().sum::<f64>()
+}
+
+/// `Σ coefficientᵢ · rowᵢ`, by `L` sums that do not wait for each other.
+#[inline(always)]
+fn weighted_sum<const W: usize, const L: usize>(
+    coefficients: &[f64],
+    rows: &[[f64; W]],
+) -> [f64; W] {
+    let (coefficients, rows) = (coefficients.chunks_exact(L), rows.chunks_exact(L));
+    let mut total = [0.0; W];
+    for (coefficient, row) in coefficients.remainder().iter().zip(rows.remainder()) {
+        for w in 0..W {
+            total[w] = coefficient.mul_add(row[w], total[w]);
+        }
+    }
+    let mut sums = [[0.0; W]; L];
+    for (coefficients, rows) in coefficients.zip(rows) {
+        for lane in 0..L {
+            for w in 0..W {
+                sums[lane][w] = coefficients[lane].mul_add(rows[lane][w], sums[lane][w]);
+            }
+        }
+    }
+    for sum in sums {
+        for w in 0..W {
+            total[w] += sum[w];
+        }
+    }
+    total
+}
+
+/// Takes `coefficientᵢ · value` from each row.
+///
+/// A few rows in one go, in local arrays: only of those does the compiler know that they do not
+/// overlap the coefficients; and row by row it would gather each column of them first.
+#[inline(always)]
+fn take_away<const W: usize>(coefficients: &[f64], value: [f64; W], rows: &mut [[f64; W]]) {
+    const ROWS: usize = 4;
+    let coefficients = coefficients.chunks_exact(ROWS);
+    let mut rows = rows.chunks_exact_mut(ROWS);
+    let rest = coefficients.remainder();
+    for (coefficients, rows) in coefficients.zip(&mut rows) {
+        let (mut factors, mut block) = ([0.0; ROWS], [[0.0; W]; ROWS]);
+        factors.copy_from_slice(coefficients);
+        block.copy_from_slice(rows);
+        for row in 0..ROWS {
+            for w in 0..W {
+                block[row][w] = (-factors[row]).mul_add(value[w], block[row][w]);
+            }
+        }
+        rows.copy_from_slice(&block);
+    }
+    for (coefficient, row) in rest.iter().zip(rows.into_remainder()) {
+        for w in 0..W {
+            row[w] = (-coefficient).mul_add(value[w], row[w]);
+        }
+    }
 }
 
 /// Four dot products with a common second factor, which is then loaded once.

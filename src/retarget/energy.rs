@@ -34,22 +34,25 @@ impl Retargeter {
         workspace: &Workspace,
         positions: &[Point],
     ) -> f64 {
+        // Rows that hold no unknown stay out of the system, but they count.
+        let (mut coefficients, mut blocks) =
+            (workspace.coefficients.clone(), workspace.blocks.clone());
+        let vertices = 0..self.pattern.constraints.len();
+        for vertex in vertices.clone().filter(|vertex| !self.pattern.is_open(*vertex)) {
+            self.fill_row(mesh, vertex, &mut coefficients, &mut blocks);
+        }
         let mut laplacian = 0.0;
-        for vertex in 0..self.pattern.constraints.len() {
+        for vertex in vertices {
             let row = self.pattern.row(vertex);
             laplacian += match self.settings.transform {
                 Transform::None => {
                     let apply = |v: &[Point]| -> Vector {
-                        self.pattern
-                            .row(vertex)
-                            .map(|(e, c)| workspace.coefficients[e] * v[c].coords)
-                            .sum()
+                        self.pattern.row(vertex).map(|(e, c)| coefficients[e] * v[c].coords).sum()
                     };
                     (apply(positions) - apply(mesh.positions())).norm_squared()
                 }
                 Transform::Implicit => {
-                    let off: Vector =
-                        row.map(|(e, c)| workspace.blocks[e] * positions[c].coords).sum();
+                    let off: Vector = row.map(|(e, c)| blocks[e] * positions[c].coords).sum();
                     off.norm_squared()
                 }
                 Transform::LocalGlobal => {
@@ -59,7 +62,7 @@ impl Retargeter {
                                 let before =
                                     workspace.reference[vertex] - workspace.reference[column];
                                 let now = positions[vertex] - positions[column];
-                                (-workspace.coefficients[entry], before, now)
+                                (-coefficients[entry], before, now)
                             },
                         )
                     };

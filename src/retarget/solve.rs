@@ -59,9 +59,9 @@ pub struct Retargeter {
 /// What changes with every solve; may be dropped at any time.
 #[derive(Debug, Clone)]
 pub struct Workspace {
-    /// `none`, `local_global`: one number per entry of the rows, `1` or `−w̄`.
+    /// One number per entry of the open rows, `1` or `−w̄`; 0 of rows that hold no unknown.
     pub(super) coefficients: Vec<f64>,
-    /// `implicit`: one block per entry.
+    /// `implicit`: one block per entry of the open rows.
     pub(super) blocks: Vec<Matrix3<f64>>,
     pub(super) matrix: BandMatrix,
     /// The right-hand side's part that stays over the steps, per unknown.
@@ -170,7 +170,7 @@ impl Retargeter {
     pub(super) fn assemble_rows(&self, mesh: &InteractionMesh, workspace: &mut Workspace) {
         let Workspace { coefficients, blocks, matrix, .. } = workspace;
         matrix.clear();
-        for vertex in 0..self.pattern.constraints.len() {
+        for vertex in self.pattern.open_rows.iter().map(|vertex| *vertex as usize) {
             self.fill_row(mesh, vertex, coefficients, blocks);
             self.add_row(vertex, self.settings.laplacian_weight, coefficients, blocks, matrix);
         }
@@ -262,7 +262,7 @@ impl Retargeter {
         self.place_reference(mesh, targets, &mut workspace.reference);
         workspace.constant.fill(Vector::zeros());
         self.pull_of_targets(targets, &mut workspace.constant);
-        for vertex in 0..self.pattern.constraints.len() {
+        for vertex in self.pattern.open_rows.iter().map(|vertex| *vertex as usize) {
             self.pull_of_row(mesh, targets, vertex, self.settings.laplacian_weight, workspace);
         }
     }

@@ -28,6 +28,8 @@ pub(super) struct Pattern {
     /// Rows of neighbours, the vertex itself among them, rising: `offsets[i]..offsets[i + 1]`.
     offsets: Box<[u32]>,
     columns: Box<[u32]>,
+    /// Vertices whose row holds an unknown, rising: no other row can move the solution.
+    pub(super) open_rows: Box<[u32]>,
     /// Space-time bones `[parent, child, bone]` with at least one unknown end.
     pub(super) bones: Box<[[u32; 3]]>,
     pub(super) unknown_count: usize,
@@ -85,10 +87,13 @@ impl Pattern {
             unknowns,
             offsets: offsets.into(),
             columns: columns.into(),
+            open_rows: Box::default(),
             bones,
             unknown_count,
             half_bandwidth: 0,
         };
+        let is_open = |vertex: &u32| pattern.is_open(*vertex as usize);
+        pattern.open_rows = (0..constraints.len() as u32).filter(is_open).collect();
         pattern.half_bandwidth = pattern.measure(transform);
         pattern
     }
@@ -119,6 +124,11 @@ impl Pattern {
     pub(super) fn unknown(&self, vertex: usize) -> Option<usize> {
         let unknown = self.unknowns[vertex];
         (unknown != KNOWN).then_some(unknown as usize)
+    }
+
+    /// Whether a vertex' row holds an unknown.
+    pub(super) fn is_open(&self, vertex: usize) -> bool {
+        self.row(vertex).any(|(_, column)| self.unknown(column).is_some())
     }
 
     /// `(entry, column)` of a vertex' row: itself and its neighbours, rising.

@@ -241,6 +241,11 @@ impl Library {
     /// Where a joint is in a demonstration at a fractional frame, held before the first and after
     /// the last: `[m]`, as it was recorded.
     pub fn position(&self, exemplar: usize, who: Who, frame: f64, joint: JointId) -> Point {
+        self.pose(exemplar, who, frame).position(joint)
+    }
+
+    /// Where all joints are: as [`Self::position`].
+    pub fn pose(&self, exemplar: usize, who: Who, frame: f64) -> Between<'_> {
         let exemplar = &self.exemplars[exemplar];
         let joints = self.skeletons[who as usize].len();
         let points = match who {
@@ -248,22 +253,50 @@ impl Library {
             Who::Partner => &exemplar.partner,
         };
         let frame = frame.clamp(0.0, (exemplar.len() - 1) as f64);
-        let (low, high) = (frame.floor() as usize, frame.ceil() as usize);
-        let [low, high] = [low, high].map(|k| points[k * joints + joint.index()]);
-        low + (high - low) * frame.fract()
+        let [before, after] =
+            [frame.floor(), frame.ceil()].map(|frame| &points[frame as usize * joints..][..joints]);
+        Between { before, after, part: frame.fract() }
     }
 
     /// From a person's base to a joint of theirs in a demonstration: `[m]`, as it was recorded.
     pub fn from_base(&self, exemplar: usize, who: Who, frame: f64, joint: JointId) -> Vector {
-        let base = self.position(exemplar, who, frame, self.base(who));
-        self.position(exemplar, who, frame, joint) - base
+        let pose = self.pose(exemplar, who, frame);
+        pose.position(joint) - pose.position(self.base(who))
+    }
+}
+
+/// Joints between two frames.
+#[derive(Debug, Clone, Copy)]
+pub struct Between<'a> {
+    before: &'a [Point],
+    after: &'a [Point],
+    part: f64,
+}
+
+impl Between<'_> {
+    /// Where a joint is `[m]`.
+    #[inline]
+    pub fn position(&self, joint: JointId) -> Point {
+        let [before, after] = [self.before, self.after].map(|joints| joints[joint.index()]);
+        before + (after - before) * self.part
     }
 }
 
 /// Squared distance of two places.
 #[inline]
 pub(super) fn squared_distance(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
+    /// Sums that do not wait for each other.
+    const LANES: usize = 4;
+    let square = |(a, b): (&f64, &f64)| (a - b) * (a - b);
+    let (a, b) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    let rest: f64 = a.remainder().iter().zip(b.remainder()).map(square).sum();
+    let mut sums = [0.0; LANES];
+    for (a, b) in a.zip(b) {
+        for lane in 0..LANES {
+            sums[lane] += square((&a[lane], &b[lane]));
+        }
+    }
+    sums.iter().sum::<f64>() + rest
 }
 
 /// Which of a moment's features are velocities.

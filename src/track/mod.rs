@@ -16,6 +16,6 @@ mod settings;
 mod tracker;
 
 pub use belief::{Belief, Followed};
-pub use library::{Exemplar, Library, LibraryError, Who};
+pub use library::{Between, Exemplar, Library, LibraryError, Who};
 pub use settings::TrackSettings;
 pub use tracker::Tracker;
