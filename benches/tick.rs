@@ -138,7 +138,7 @@ fn parts(model: &Arc<OnlineModel>) -> [(&'static str, Vec<Duration>); 7] {
             times[0].1.push(begun.elapsed());
 
             let begun = Instant::now();
-            perception.see(model, partner.stamp(), partner.positions(), base);
+            perception.see(model, partner.stamp(), partner.positions(), base, |_| 0.0);
             times[1].1.push(begun.elapsed());
 
             past.push(Frame { stamp: now, positions: partner.positions().into() });

@@ -18,6 +18,7 @@ pub(super) fn take(fields: &mut Fields, online: &mut OnlineSettings) {
     fields.count("window.past", &mut online.past, 0, 60);
     fields.count("window.future", &mut online.future, 1, 120);
     fields.float("window.trust", &mut online.trust, 0.001, 60.0);
+    fields.float("window.guess", &mut online.guess, 0.001, 600.0);
     fields.float("window.contact_hold", &mut online.contact_hold, 0.0, 60.0);
     fields.float("window.refactor", &mut online.refactor, 0.0, 1.0);
     take_safety(fields, &mut online.safety);

@@ -33,7 +33,7 @@ impl<'a> Partner<'a> {
     /// # Panics
     /// If the skeleton has no such joint: the caller's bug.
     pub fn is_tracked(&self, joint: JointId) -> bool {
-        self.absence(joint) == Some(0.0)
+        self.unseen(joint) == Some(0.0)
     }
 
     /// Whether the joint was not seen for so long (or never, a leg's) that its place is a guess.
@@ -41,7 +41,7 @@ impl<'a> Partner<'a> {
     /// # Panics
     /// If the skeleton has no such joint: the caller's bug.
     pub fn is_lost(&self, joint: JointId) -> bool {
-        self.absence(joint).is_none_or(|absence| absence > self.filter.settings.bridge)
+        self.unseen(joint).is_none_or(|absence| absence > self.filter.settings.bridge)
     }
 
     /// Whether a sighting was taken in the last update.
@@ -80,7 +80,12 @@ impl<'a> Partner<'a> {
         }
     }
 
-    fn absence(&self, joint: JointId) -> Option<f64> {
+    /// For how long a joint has not been seen itself `[s]`: 0 if the newest sighting showed it;
+    /// none: never.
+    ///
+    /// # Panics
+    /// If the skeleton has no such joint: the caller's bug.
+    pub fn unseen(&self, joint: JointId) -> Option<f64> {
         self.filter.tracks.absence(joint.index(), self.stamp())
     }
 }

@@ -1,9 +1,9 @@
 //! The partner as known so far → where in the demonstrations, and where over the window.
 
-use super::{OnlineModel, Scene};
+use super::{OnlineModel, Scene, mean_pose};
 use crate::forecast::{self, ForecastMethod, Moment};
 use crate::geometry::{Point, Vector, yaw_isometry};
-use crate::skeleton::Frame;
+use crate::skeleton::{Frame, JointId};
 use crate::time::{Span, Stamp};
 use crate::track::{Belief, Followed, Tracker, Who};
 
@@ -23,6 +23,9 @@ pub struct Perception {
     /// horizon first.
     moves: Vec<Vector>,
     horizons: Vec<f64>,
+    /// What is added to the places of joints that are not seen `[m]`.
+    guesses: Vec<Vector>,
+    pose: Vec<Point>,
     scene: Scene,
 }
 
@@ -44,6 +47,8 @@ impl Perception {
             workspace: model.forecaster.workspace(),
             moves: vec![Vector::zeros(); horizons.len() * joints],
             horizons,
+            guesses: vec![Vector::zeros(); joints],
+            pose: vec![Point::origin(); joints],
             scene: Scene {
                 partner: vec![Point::origin(); frames * joints],
                 robot_base: Point::origin(),
@@ -60,14 +65,38 @@ impl Perception {
     /// Takes in the partner's joints at a stamp later than the last.
     ///
     /// - `positions`: `[m]` in the world.
-    pub fn see(&mut self, model: &OnlineModel, stamp: Stamp, positions: &[Point], base: Point) {
+    /// - `base`: where the robot's base is `[m]`.
+    /// - `guessed`: how much of a joint's place is a guess, 0 to 1: as much is taken from the
+    ///   demonstrations followed.
+    pub fn see(
+        &mut self,
+        model: &OnlineModel,
+        stamp: Stamp,
+        positions: &[Point],
+        base: Point,
+        guessed: impl Fn(JointId) -> f64,
+    ) {
+        let elapsed = (stamp - self.recent[RECENT - 1].stamp).seconds();
         self.recent.rotate_left(1);
         self.first = self.first.saturating_sub(1);
         let newest = &mut self.recent[RECENT - 1];
         newest.stamp = stamp;
         newest.positions.copy_from_slice(positions);
+        let (library, belief) = (&model.library, self.tracker.belief());
+        self.guesses.fill(Vector::zeros());
+        let skeleton = library.skeleton(Who::Partner);
+        let any = skeleton.joints().any(|joint| guessed(joint) > 0.0);
+        if any && !belief.followed.is_empty() {
+            let ahead = elapsed / library.step().seconds() * belief.tempo;
+            let place = positions[library.base(Who::Partner).index()];
+            mean_pose(library, &belief.followed, Who::Partner, ahead, place, &mut self.pose);
+            for joint in skeleton.joints().filter(|joint| *joint != library.base(Who::Partner)) {
+                let at = joint.index();
+                self.guesses[at] = guessed(joint) * (self.pose[at] - positions[at]);
+                newest.positions[at] += self.guesses[at];
+            }
+        }
         let past = &self.recent[self.first..];
-        let skeleton = model.library.skeleton(Who::Partner);
         self.moment.observe(skeleton, past, model.settings.track.velocity_window);
         self.tracker.observe(&model.library, &self.moment, base, stamp);
         self.moment.observe(skeleton, past, model.forecaster.velocity_window());
@@ -112,7 +141,9 @@ impl Perception {
         let mut partner = std::mem::take(&mut self.scene.partner);
         for frame in 0..=past {
             let stamp = now + Span((frame as i64 - past as i64) * step.0);
-            at(stamp, &mut partner[frame * joints..][..joints]);
+            let places = &mut partner[frame * joints..][..joints];
+            at(stamp, places);
+            places.iter_mut().zip(&self.guesses).for_each(|(place, guess)| *place += guess);
         }
         let (known, future) = partner.split_at_mut((past + 1) * joints);
         let here = &known[past * joints..];

@@ -188,7 +188,9 @@ impl Pipeline {
             perception.reset();
         }
         if partner.is_fresh() {
-            perception.see(model, partner.stamp(), partner.positions(), base);
+            let guess = model.settings.guess;
+            let guessed = |joint| partner.unseen(joint).map_or(1.0, |time| (time / guess).min(1.0));
+            perception.see(model, partner.stamp(), partner.positions(), base, guessed);
         }
         let scene =
             perception.look(model, input.now, base, |stamp, places| partner.at(stamp, places));

@@ -28,6 +28,9 @@ pub struct OnlineSettings {
     /// How soon a forecast of the partner counts for less than how the demonstrations go on
     /// `[s]`, > 0: its share falls by `exp(−t/this)`.
     pub trust: f64,
+    /// How long one of the partner's joints goes unseen until its place is that of the
+    /// demonstrations followed alone `[s]`, > 0; until then, by share, where it went with its parent.
+    pub guess: f64,
     /// How far off the moment of contact may be foreseen `[s]`, ≥ 0: for so long before and after
     /// it the reference holds the gap at contact in full.
     pub contact_hold: f64,
@@ -48,6 +51,7 @@ impl Default for OnlineSettings {
             past: 2,
             future: 15,
             trust: 0.5,
+            guess: 2.0,
             contact_hold: 0.4,
             refactor: 1e-3,
         }

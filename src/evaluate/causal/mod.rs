@@ -35,7 +35,7 @@ pub(super) fn predict(
     let mut predicted = vec![Point::origin(); observation.len() * joints];
     let frames = observation.partner.frames().iter().zip(&observation.base);
     for ((frame, base), pose) in frames.zip(predicted.chunks_exact_mut(joints)) {
-        perception.see(model, frame.stamp, &frame.positions, *base);
+        perception.see(model, frame.stamp, &frame.positions, *base, |_| 0.0);
         let followed = &perception.belief().followed;
         let library = model.library();
         match method {
