@@ -43,7 +43,7 @@ fn get(figures: &Figures, figure: Figure) -> f64 {
 fn displaced_by_nothing_the_gap_is_that_of_leave_one_out() {
     let clips = clips(6);
     let predictor = learnt(&clips[1..], 0.05);
-    let trial = Trial::new(&clips[0], &predictor, &[]).unwrap();
+    let trial = Trial::new(&clips[0], &predictor, None, &[]).unwrap();
     let nothing = [Condition::Displaced(Direction::Left, 0.0), Condition::Scaled(1.0)];
     for condition in nothing {
         let changed = trial.under(condition).unwrap();
@@ -72,7 +72,7 @@ fn attach_follows_a_displacement_and_replay_misses_by_it() {
     // Who is nearer is not later: the time alignment is to look at the pose alone.
     let settings = PredictSettings { distance_weight: 0.0, smoothing: 0.0, ..Default::default() };
     let predictor = Predictor::fit(clips.clone(), settings).unwrap();
-    let trial = Trial::new(&clips[0], &predictor, &[]).unwrap();
+    let trial = Trial::new(&clips[0], &predictor, None, &[]).unwrap();
     let (held, _) = trial.run(Method::Hold).unwrap();
     for (direction, metres) in [
         (Direction::Up, 0.1),
@@ -105,7 +105,7 @@ fn attach_follows_a_displacement_and_replay_misses_by_it() {
 fn directions_are_those_of_a_robot_that_looks_at_its_partner() {
     let clips = clips(3);
     let predictor = learnt(&clips[1..], 0.05);
-    let trial = Trial::new(&clips[0], &predictor, &[]).unwrap();
+    let trial = Trial::new(&clips[0], &predictor, None, &[]).unwrap();
     let under = |direction| trial.under(Condition::Displaced(direction, 0.1)).unwrap();
     let moved = |direction| under(direction).displacement();
     assert_eq!(moved(Direction::Up), Vector::new(0.0, 0.0, 0.1));
@@ -137,7 +137,7 @@ fn a_scaled_robot_has_scaled_bones_on_the_same_floor() {
     let clips = clips(4);
     let predictor = learnt(&clips[1..], 0.0);
     let truth = &clips[0];
-    let trial = Trial::new(truth, &predictor, &[]).unwrap();
+    let trial = Trial::new(truth, &predictor, None, &[]).unwrap();
     let hold = get(&trial.run(Method::Hold).unwrap().1, Figure::Bone);
     let skeleton = truth.robot().skeleton();
     let own = truth.robot().bone_lengths();
@@ -206,6 +206,7 @@ fn out_of_reach_a_scaled_robot_has_no_figures() {
         ignored_joints: Vec::new(),
         predict: PredictSettings::default(),
         learn: LearnSettings::default(),
+        causal: None,
     };
     let found = displaced(&clips, &groups, &settings, || ()).unwrap();
     assert!(found.failures.is_empty(), "that is no failure: {:?}", found.failures);
@@ -227,7 +228,7 @@ fn turning_the_scene_changes_no_displaced_figure() {
     let predictor = learnt(&clips[1..], 0.05);
     let turn = yaw_isometry(2.2, Vector::new(1.5, -0.7, 0.0));
     let turned = demonstration(clips[0].recording().transformed(&turn));
-    let [here, there] = [&clips[0], &turned].map(|d| Trial::new(d, &predictor, &[]).unwrap());
+    let [here, there] = [&clips[0], &turned].map(|d| Trial::new(d, &predictor, None, &[]).unwrap());
     for condition in Condition::ALL {
         let [here, there] = [&here, &there].map(|trial| trial.under(condition).unwrap());
         let expected = turn * here.displacement();

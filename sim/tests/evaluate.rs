@@ -36,7 +36,7 @@ fn figures_measure_what_they_say() {
     let settings = PredictSettings { smoothing: 0.0, ..PredictSettings::default() };
     let predictor = Predictor::fit(clips[1..].to_vec(), settings).unwrap();
     let truth = &clips[0];
-    let trial = Trial::new(truth, &predictor, &[]).unwrap();
+    let trial = Trial::new(truth, &predictor, None, &[]).unwrap();
     let did = poses(truth.robot());
     #[track_caller]
     fn check(figures: &Figures, figure: Figure, expected: f64) {
@@ -67,9 +67,9 @@ fn figures_measure_what_they_say() {
     let mut nodding = did.clone();
     nodding.iter_mut().skip(head.index()).step_by(hands.len()).for_each(|p| p.z += 0.5);
     assert!(trial.figures(&nodding).get(Figure::Joint).unwrap() > 1.0);
-    let blind = Trial::new(truth, &predictor, &["head".to_owned()]).unwrap();
+    let blind = Trial::new(truth, &predictor, None, &["head".to_owned()]).unwrap();
     check(&blind.figures(&nodding), Figure::Joint, 0.0);
-    assert!(Trial::new(truth, &predictor, &["tail".to_owned()]).is_err());
+    assert!(Trial::new(truth, &predictor, None, &["tail".to_owned()]).is_err());
 }
 
 /// What a method predicts does not change with what the person in the robot's role did, as long
@@ -118,6 +118,7 @@ fn the_mesh_meets_hands_and_keeps_bones() {
         ignored_joints: Vec::new(),
         predict: PredictSettings::default(),
         learn: LearnSettings { references: 3, steps: 2, ..LearnSettings::default() },
+        causal: None,
     };
     let evaluation = leave_one_out(&clips, &groups, &settings, || ()).unwrap();
     let median = |method: Method, figure: Figure| {
@@ -143,6 +144,7 @@ fn one_group_has_nobody_to_learn_from() {
         ignored_joints: Vec::new(),
         predict: PredictSettings::default(),
         learn: LearnSettings::default(),
+        causal: None,
     };
     let groups = vec!["same".to_owned(); 3];
     let error = leave_one_out(&clips, &groups, &settings, || ()).unwrap_err().to_string();

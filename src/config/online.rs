@@ -17,6 +17,7 @@ pub(super) fn take(fields: &mut Fields, online: &mut OnlineSettings) {
     take_track(fields, &mut online.track);
     fields.count("window.past", &mut online.past, 0, 60);
     fields.count("window.future", &mut online.future, 1, 120);
+    fields.count("window.steps", &mut online.steps, 1, 10_000);
     fields.float("window.trust", &mut online.trust, 0.001, 60.0);
     fields.float("window.guess", &mut online.guess, 0.001, 600.0);
     fields.float("window.contact_hold", &mut online.contact_hold, 0.0, 60.0);

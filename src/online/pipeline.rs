@@ -118,6 +118,7 @@ impl Pipeline {
     pub fn reset(&mut self) {
         self.filter.reset();
         self.perception.reset();
+        self.window.reset();
         self.gate.reset();
         self.robot_base = None;
         self.body = None;
@@ -186,6 +187,7 @@ impl Pipeline {
         let base = self.robot_base.ok_or(HoldReason::NoRobot)?;
         if partner.is_new() {
             perception.reset();
+            self.window.reset();
         }
         if partner.is_fresh() {
             let guess = model.settings.guess;

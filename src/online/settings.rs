@@ -25,6 +25,8 @@ pub struct OnlineSettings {
     pub past: usize,
     /// Frames of the window after now, ≥ 1.
     pub future: usize,
+    /// Steps of a solve at most, ≥ 1: each starts from the last tick's solution.
+    pub steps: usize,
     /// How soon a forecast of the partner counts for less than how the demonstrations go on
     /// `[s]`, > 0: its share falls by `exp(−t/this)`.
     pub trust: f64,
@@ -50,6 +52,7 @@ impl Default for OnlineSettings {
             forecast: ForecastSettings::default(),
             past: 2,
             future: 15,
+            steps: 3,
             trust: 0.5,
             guess: 2.0,
             contact_hold: 0.4,

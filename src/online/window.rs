@@ -12,7 +12,9 @@ use crate::demonstration::Hands;
 use crate::geometry::Point;
 use crate::mesh::{EdgeWeights, InitialEdges, InteractionMesh, Topology, Vertex};
 use crate::predict::phase;
-use crate::retarget::{Constraint, Residual, Retargeter, Transform, Workspace, project_bones};
+use crate::retarget::{
+    Constraint, Residual, RetargetSettings, Retargeter, Transform, Workspace, project_bones,
+};
 use crate::skeleton::{JointId, Role};
 use crate::track::{Belief, Followed, Who};
 
@@ -46,6 +48,8 @@ pub struct Window {
     positions: Vec<Point>,
     targets: Vec<Point>,
     solved: Vec<Point>,
+    /// Whose hands the last solution was for, if there is one to start from.
+    warm: Option<Hands>,
     /// Both people's bones, in the pair's order `[m]`.
     lengths: Vec<f64>,
     robot_lengths: Vec<f64>,
@@ -103,7 +107,9 @@ impl Window {
             let (kernel, time) = (model.predict.kernel, model.predict.time_weight);
             let weights = EdgeWeights::by_kernel(&topology, &positions, kernel, time);
             let mesh = InteractionMesh::new(topology.clone(), positions.clone(), weights)?;
-            let retargeter = Retargeter::new(topology, &constraints, model.predict.retarget)?;
+            let settings =
+                RetargetSettings { steps: model.settings.steps, ..model.predict.retarget };
+            let retargeter = Retargeter::new(topology, &constraints, settings)?;
             let workspace = retargeter.workspace();
             systems.push(System { retargeter, workspace, mesh, between, is_factored: false });
         }
@@ -118,10 +124,16 @@ impl Window {
             targets: positions.clone(),
             solved: positions.clone(),
             positions,
+            warm: None,
             lengths: in_order(model.robot, lengths).concat(),
             robot_lengths: robot_lengths.to_vec(),
             poses: vec![Point::origin(); (model.settings.future + 1) * joints],
         })
+    }
+
+    /// Forgets the last solution: the next solve starts from its reference.
+    pub fn reset(&mut self) {
+        self.warm = None;
     }
 
     /// The robot's joints now and at each later frame of the last window: `[m]`,
@@ -157,8 +169,15 @@ impl Window {
             system.is_factored = true;
         }
         let System { retargeter, workspace, mesh, .. } = system;
-        let residual =
-            retargeter.solve(mesh, &self.targets, &self.lengths, workspace, &mut self.solved)?;
+        // Bones point nearly as they did a tick ago, as long as the same hands are to meet.
+        let is_warm = self.warm.replace(belief.hands) == Some(belief.hands);
+        let (targets, lengths, solved) = (&self.targets, &self.lengths, &mut self.solved);
+        let residual = if is_warm {
+            retargeter.solve_on(mesh, targets, lengths, workspace, solved)
+        } else {
+            retargeter.solve(mesh, targets, lengths, workspace, solved)
+        };
+        let residual = residual.inspect_err(|_| self.warm = None)?;
         let robot = model.library.skeleton(Who::Robot);
         let vertices = model.pair.vertices(model.robot);
         let frames = self.solved.chunks_exact(model.pair.len()).skip(model.settings.past);

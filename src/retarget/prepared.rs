@@ -149,6 +149,7 @@ impl Prepared {
     fn finish(&self, room: &mut Variation) -> Result<Residual, RetargetError> {
         let Variation { workspace, solved, .. } = room;
         self.retargeter.factor(workspace)?;
+        solved.copy_from_slice(&workspace.reference);
         Ok(self.retargeter.iterate(&self.targets, &self.lengths, workspace, solved))
     }
 

@@ -249,6 +249,26 @@ impl Retargeter {
         self.check_mesh(mesh)?;
         self.check_inputs(targets, lengths, out.len())?;
         self.load(mesh, targets, workspace);
+        out.copy_from_slice(&workspace.reference);
+        Ok(self.iterate(targets, lengths, workspace, out))
+    }
+
+    /// As [`Self::solve`], but the first iterate is `out` as it stands: a solution of a moment ago,
+    /// whose bones point nearly where they will.
+    ///
+    /// # Errors
+    /// As [`Self::solve`].
+    pub fn solve_on(
+        &self,
+        mesh: &InteractionMesh,
+        targets: &[Point],
+        lengths: &[f64],
+        workspace: &mut Workspace,
+        out: &mut [Point],
+    ) -> Result<Residual, RetargetError> {
+        self.check_mesh(mesh)?;
+        self.check_inputs(targets, lengths, out.len())?;
+        self.load(mesh, targets, workspace);
         Ok(self.iterate(targets, lengths, workspace, out))
     }
 
@@ -267,7 +287,7 @@ impl Retargeter {
         }
     }
 
-    /// The steps, from the reference.
+    /// The steps, from `out` on.
     pub(super) fn iterate(
         &self,
         targets: &[Point],
@@ -275,7 +295,6 @@ impl Retargeter {
         workspace: &mut Workspace,
         out: &mut [Point],
     ) -> Residual {
-        out.copy_from_slice(&workspace.reference);
         for (vertex, constraint) in self.pattern.constraints.iter().enumerate() {
             if *constraint == Constraint::Fixed {
                 out[vertex] = targets[vertex];

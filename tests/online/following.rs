@@ -72,7 +72,9 @@ fn whoever_withdraws_is_left() {
             })
             .collect();
         println!("seed {seed}: {}", out.join("; "));
-        let back = &at(&said, half + 1.5).places;
-        assert!((back[HAND] - handover.giver(0.0)[HAND]).norm() < 0.1);
+        // A giver leads: once the other one stands there again, it may offer anew.
+        let later = said.iter().filter(|said| said.now > half && said.now < half + 1.5);
+        let out = later.map(|said| (said.places[HAND] - handover.giver(0.0)[HAND]).norm());
+        assert!(out.fold(f64::INFINITY, f64::min) < 0.1, "the hand goes back");
     }
 }

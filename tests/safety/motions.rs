@@ -10,7 +10,8 @@ use crate::scene::{STEP, gate, reach, reaching, right_hand, seconds, standing, w
 /// Settings for so many ticks a second.
 fn at_rate(rate: f64) -> SafetySettings {
     let usual = SafetySettings::default();
-    SafetySettings { lead: usual.lead.max(1.5 / rate), ..usual }
+    let lead = usual.lead.max(1.5 / rate);
+    SafetySettings { lead, aim: usual.aim.max(lead), ..usual }
 }
 
 /// Follows a reach of 0.5 m in 0.8 s at these ticks a second; the largest distance of the hand
