@@ -109,6 +109,7 @@ impl Tracker {
         self.belief.distance = f64::INFINITY;
         self.belief.is_familiar = false;
         self.belief.tempo = 1.0;
+        self.states.iter_mut().for_each(|state| state.tempo = 1.0);
     }
 
     /// What is believed; of nobody, before the first look.
