@@ -77,7 +77,7 @@ impl Window {
             let joints = library.skeleton(who).joints();
             joints.map(|joint| library.position(0, who, 0.0, joint)).collect()
         };
-        let first_frame = in_order(model.robot, [first(Who::Robot), first(Who::Partner)]).concat();
+        let first_frame = model.robot.in_order([first(Who::Robot), first(Who::Partner)]).concat();
         let positions = first_frame.repeat(frames);
         let base = pair.vertex(model.robot, library.base(Who::Robot));
         let vertices = [Role::First, Role::Second].into_iter().flat_map(|role| pair.vertices(role));
@@ -125,7 +125,7 @@ impl Window {
             solved: positions.clone(),
             positions,
             warm: None,
-            lengths: in_order(model.robot, lengths).concat(),
+            lengths: model.robot.in_order(lengths).concat(),
             robot_lengths: robot_lengths.to_vec(),
             poses: vec![Point::origin(); (model.settings.future + 1) * joints],
         })
@@ -239,17 +239,9 @@ fn interleave(model: &OnlineModel, robot: &[Point], partner: &[Point], both: &mu
     let partner = partner.chunks_exact(joints(Who::Partner));
     for (frame, (robot, partner)) in both.chunks_exact_mut(model.pair.len()).zip(robot.zip(partner))
     {
-        let [first, second] = in_order(model.robot, [robot, partner]);
+        let [first, second] = model.robot.in_order([robot, partner]);
         let (front, back) = frame.split_at_mut(first.len());
         front.copy_from_slice(first);
         back.copy_from_slice(second);
-    }
-}
-
-/// `[robot's, partner's]` → `[first person's, second person's]`.
-fn in_order<T>(robot: Role, [of_robot, of_partner]: [T; 2]) -> [T; 2] {
-    match robot {
-        Role::First => [of_robot, of_partner],
-        Role::Second => [of_partner, of_robot],
     }
 }

@@ -15,6 +15,7 @@ mod ridge;
 mod settings;
 
 pub use aligned::{Aligned, Alignment};
+pub use attach::lead_hand;
 pub use edges::{EdgesError, LearnedEdge, LearnedEdges, edge_for_hands, phase};
 pub use method::{Method, PredictError, Predictor};
 pub use problem::Problem;

@@ -213,7 +213,7 @@ impl People {
         let robot = observation.robot_role;
         let skeletons =
             [observation.robot_skeleton.clone(), observation.partner.skeleton().clone()];
-        Self { pair: Arc::new(Pair::new(in_order(robot, skeletons))), robot }
+        Self { pair: Arc::new(Pair::new(robot.in_order(skeletons))), robot }
     }
 
     /// Both people's joints frame by frame, of `frames × joints` each.
@@ -221,7 +221,7 @@ impl People {
         let frames = |role: Role| self.pair.skeleton(role).len();
         let robot = robot.chunks_exact(frames(self.robot));
         let partner = partner.chunks_exact(frames(self.robot.partner()));
-        let both = robot.zip(partner).map(|(r, p)| in_order(self.robot, [r, p]));
+        let both = robot.zip(partner).map(|(r, p)| self.robot.in_order([r, p]));
         both.flat_map(|[first, second]| first.iter().chain(second).copied()).collect()
     }
 
@@ -242,14 +242,6 @@ impl People {
     fn bone_lengths(&self, observation: &Observation) -> Vec<f64> {
         let lengths = [observation.bone_lengths.clone(), observation.partner.bone_lengths()];
         // A bone that has no length in the data still has two ends.
-        in_order(self.robot, lengths).concat().into_iter().map(|l| l.max(1e-6)).collect()
-    }
-}
-
-/// `[robot's, partner's]` → `[first person's, second person's]`.
-fn in_order<T>(robot: Role, [of_robot, of_partner]: [T; 2]) -> [T; 2] {
-    match robot {
-        Role::First => [of_robot, of_partner],
-        Role::Second => [of_partner, of_robot],
+        self.robot.in_order(lengths).concat().into_iter().map(|l| l.max(1e-6)).collect()
     }
 }

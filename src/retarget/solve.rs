@@ -246,9 +246,7 @@ impl Retargeter {
         workspace: &mut Workspace,
         out: &mut [Point],
     ) -> Result<Residual, RetargetError> {
-        self.check_mesh(mesh)?;
-        self.check_inputs(targets, lengths, out.len())?;
-        self.load(mesh, targets, workspace);
+        self.prepare(mesh, targets, lengths, workspace, out.len())?;
         out.copy_from_slice(&workspace.reference);
         Ok(self.iterate(targets, lengths, workspace, out))
     }
@@ -266,10 +264,23 @@ impl Retargeter {
         workspace: &mut Workspace,
         out: &mut [Point],
     ) -> Result<Residual, RetargetError> {
-        self.check_mesh(mesh)?;
-        self.check_inputs(targets, lengths, out.len())?;
-        self.load(mesh, targets, workspace);
+        self.prepare(mesh, targets, lengths, workspace, out.len())?;
         Ok(self.iterate(targets, lengths, workspace, out))
+    }
+
+    /// Checks what a solve takes, and loads it.
+    fn prepare(
+        &self,
+        mesh: &InteractionMesh,
+        targets: &[Point],
+        lengths: &[f64],
+        workspace: &mut Workspace,
+        out: usize,
+    ) -> Result<(), RetargetError> {
+        self.check_mesh(mesh)?;
+        self.check_inputs(targets, lengths, out)?;
+        self.load(mesh, targets, workspace);
+        Ok(())
     }
 
     /// What stays over the steps: where the reference stands, and the constant pull.

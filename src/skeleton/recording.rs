@@ -23,6 +23,14 @@ impl Role {
             Self::Second => Self::First,
         }
     }
+
+    /// `[this one's, the other person's]` → `[the first person's, the second's]`.
+    pub fn in_order<T>(self, [own, other]: [T; 2]) -> [T; 2] {
+        match self {
+            Self::First => [own, other],
+            Self::Second => [other, own],
+        }
+    }
 }
 
 /// One person of a recording.

@@ -9,9 +9,9 @@ use std::sync::Arc;
 
 use crate::demonstration::Observation;
 use crate::geometry::{Point, Vector, yaw_isometry};
-use crate::kinematics::{minimum_jerk, two_bone};
+use crate::kinematics::minimum_jerk;
 use crate::online::{OnlineError, OnlineModel, Perception, Pipeline, Replay, mean_pose};
-use crate::predict::{Method, Predictor};
+use crate::predict::{Method, Predictor, lead_hand};
 use crate::skeleton::Part;
 use crate::track::{Followed, Who};
 use promp::Promp;
@@ -89,21 +89,10 @@ fn attach(
     let share = minimum_jerk(1.0 - seconds.abs() / model.predict_settings().attach_fade);
     let (skeleton, partner_skeleton) =
         (&observation.robot_skeleton, observation.partner.skeleton());
-    let (Some([shoulder, elbow, hand]), Some(partner_hand)) =
-        (skeleton.arm(belief.hands.robot), partner_skeleton.part(Part::Hand(belief.hands.partner)))
-    else {
+    let Some(partner_hand) = partner_skeleton.part(Part::Hand(belief.hands.partner)) else {
         return;
-    };
-    let length = |child| {
-        let mut bones = skeleton.bones().zip(&observation.bone_lengths);
-        bones.find(|(bone, _)| bone.child == child).map_or(0.0, |(_, length)| *length)
     };
     let world_from_heading = yaw_isometry(partner_skeleton.heading(partner), Vector::zeros());
     let goal = partner[partner_hand.index()] + world_from_heading * model.gap(belief.hands);
-    let (root, replayed) = (pose[shoulder.index()], pose[hand.index()]);
-    let pole = pose[elbow.index()] - root;
-    let target = replayed + (goal - replayed) * share;
-    let arm = two_bone(root, target, length(elbow), length(hand), pole);
-    pose[elbow.index()] = arm.middle;
-    pose[hand.index()] = arm.end;
+    lead_hand(skeleton, &observation.bone_lengths, belief.hands.robot, pose, goal, share);
 }
