@@ -1,8 +1,8 @@
 //! Banded symmetric positive definite systems: `A = L Lᵀ`, factored in place, no pivoting.
 //!
 //! Unknowns ordered frame by frame couple only within a fixed distance, so the factor fills the
-//! band and nothing else (George & Liu 1981, 4.2). Rows are stored contiguously and worked on four
-//! at a time: all inner loops are dot products over contiguous numbers.
+//! band and nothing else (George & Liu 1981, 4.2). Rows are stored contiguously and factored four at
+//! a time, turned so that four numbers of a column lie side by side.
 //!
 //! Knows nothing of meshes. Allocates only when made.
 
@@ -22,6 +22,8 @@ pub struct BandMatrix {
     reach: usize,
     /// `size` rows of `reach + BLOCK` numbers.
     values: Vec<f64>,
+    /// A block's rows, column by column: room for [`Self::factor`].
+    panel: Vec<[f64; BLOCK]>,
     /// `1 / L[r][r]`.
     inverse_diagonal: Vec<f64>,
     arch: Arch,
@@ -38,8 +40,14 @@ impl BandMatrix {
     /// A zero matrix of `size` rows whose entries lie within `half_bandwidth` of the diagonal.
     pub fn new(size: usize, half_bandwidth: usize) -> Self {
         let reach = half_bandwidth.next_multiple_of(BLOCK);
-        let values = vec![0.0; size * (reach + BLOCK)];
-        Self { size, reach, values, inverse_diagonal: vec![0.0; size], arch: Arch::new() }
+        Self {
+            size,
+            reach,
+            values: vec![0.0; size * (reach + BLOCK)],
+            panel: vec![[0.0; BLOCK]; reach + BLOCK],
+            inverse_diagonal: vec![0.0; size],
+            arch: Arch::new(),
+        }
     }
 
     /// Entries farther from the diagonal than this are zero.
@@ -123,66 +131,64 @@ impl BandMatrix {
 
     #[inline(always)]
     fn factor_blocks(&mut self) -> Result<(), NotPositiveDefinite> {
-        let (size, reach, width) = (self.size, self.reach, self.reach + BLOCK);
+        let Self { size, reach, values, inverse_diagonal, panel, .. } = self;
+        let (size, reach, width) = (*size, *reach, *reach + BLOCK);
         for block in (0..size).step_by(BLOCK) {
             let rows = BLOCK.min(size - block);
-            let (above, here) = self.values.split_at_mut(block * width);
+            let (above, here) = values.split_at_mut(block * width);
+            let here = &mut here[..rows * width];
             let first = block.saturating_sub(reach);
             // Column `c` of the block's rows is stored at `c + reach − block` in each.
             let start = first + reach - block;
-            if rows == BLOCK {
-                let (row_0, rest) = here.split_at_mut(width);
-                let (row_1, rest) = rest.split_at_mut(width);
-                let (row_2, rest) = rest.split_at_mut(width);
-                let row_3 = &mut rest[..width];
-                for column in first..block {
-                    let column_block = column - column % BLOCK;
-                    let from = column * width + first + reach - column_block;
-                    let to = column * width + column + reach - column_block;
-                    let other = &above[from..to];
-                    let (end, scale) = (start + other.len(), self.inverse_diagonal[column]);
-                    let dots = dot_4(
-                        [
-                            &row_0[start..end],
-                            &row_1[start..end],
-                            &row_2[start..end],
-                            &row_3[start..end],
-                        ],
-                        other,
-                    );
-                    row_0[end] = (row_0[end] - dots[0]) * scale;
-                    row_1[end] = (row_1[end] - dots[1]) * scale;
-                    row_2[end] = (row_2[end] - dots[2]) * scale;
-                    row_3[end] = (row_3[end] - dots[3]) * scale;
+            let panel = &mut panel[..block - first + BLOCK];
+            for (row, values) in here.chunks_exact(width).enumerate() {
+                for (column, value) in panel.iter_mut().zip(&values[start..]) {
+                    column[row] = *value;
                 }
-            } else {
-                for row in here.chunks_exact_mut(width).take(rows) {
-                    for column in first..block {
-                        let column_block = column - column % BLOCK;
-                        let from = column * width + first + reach - column_block;
-                        let to = column * width + column + reach - column_block;
-                        let end = start + to - from;
-                        let sum = dot(&row[start..end], &above[from..to]);
-                        row[end] = (row[end] - sum) * self.inverse_diagonal[column];
+            }
+            // `first` is a block's, too: the columns come block by block.
+            for column in (first..block).step_by(BLOCK) {
+                let (known, open) = panel.split_at_mut(column - first);
+                let from = first + reach - column;
+                let rows = &above[column * width..][..BLOCK * width];
+                let sums = sums_of_four(known, |at| &rows[at * width + from..]);
+                for at in 0..BLOCK {
+                    let scale = inverse_diagonal[column + at];
+                    let (earlier, now) = open.split_at_mut(at);
+                    let mut sum = sums[at];
+                    for (earlier, factor) in earlier.iter().zip(&rows[at * width + reach..]) {
+                        for row in 0..BLOCK {
+                            sum[row] = factor.mul_add(earlier[row], sum[row]);
+                        }
+                    }
+                    for row in 0..BLOCK {
+                        now[0][row] = (now[0][row] - sum[row]) * scale;
                     }
                 }
             }
-            for row in 0..rows {
-                let (earlier, now) = here.split_at_mut(row * width);
-                let now = &mut now[..width];
-                for column in 0..row {
-                    let end = reach + column;
-                    let other = &earlier[column * width + start..column * width + end];
-                    let sum = dot(&now[start..end], other);
-                    now[end] = (now[end] - sum) * self.inverse_diagonal[block + column];
+            let (known, own) = panel.split_at_mut(block - first);
+            for (row, values) in here.chunks_exact_mut(width).enumerate() {
+                for (column, value) in known.iter().zip(&mut values[start..]) {
+                    *value = column[row];
                 }
-                let end = reach + row;
-                let pivot = now[end] - dot(&now[start..end], &now[start..end]);
-                if pivot.is_nan() || pivot <= PIVOT_TOLERANCE * now[end] {
-                    return Err(NotPositiveDefinite { row: block + row });
+            }
+            let sums = sums_of_four(known, |at| &here[at.min(rows - 1) * width + start..]);
+            for column in 0..rows {
+                for row in column..rows {
+                    let earlier = own[..column].iter().map(|own| own[column] * own[row]);
+                    let sum = sums[column][row] + earlier.sum::<f64>();
+                    let entry = own[column][row];
+                    let value = entry - sum;
+                    own[column][row] = if row > column {
+                        value * inverse_diagonal[block + column]
+                    } else if value.is_nan() || value <= PIVOT_TOLERANCE * entry {
+                        return Err(NotPositiveDefinite { row: block + column });
+                    } else {
+                        inverse_diagonal[block + column] = 1.0 / value.sqrt();
+                        value.sqrt()
+                    };
+                    here[row * width + reach + column] = own[column][row];
                 }
-                now[end] = pivot.sqrt();
-                self.inverse_diagonal[block + row] = 1.0 / now[end];
             }
         }
         Ok(())
@@ -259,23 +265,6 @@ impl<const W: usize> WithSimd for Substitute<'_, W> {
     }
 }
 
-/// Lanes of a dot product: two vector registers of four, so that additions overlap.
-const LANES: usize = 8;
-
-#[inline(always)]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; LANES];
-    let (a_chunks, b_chunks) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
-    let (a_rest, b_rest) = (a_chunks.remainder(), b_chunks.remainder());
-    for (a, b) in a_chunks.zip(b_chunks) {
-        for lane in 0..LANES {
-            sums[lane] = a[lane].mul_add(b[lane], sums[lane]);
-        }
-    }
-    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
-    rest + sums.iter().sum::<f64>()
-}
-
 /// `Σ coefficientᵢ · rowᵢ`, by `L` sums that do not wait for each other.
 #[inline(always)]
 fn weighted_sum<const W: usize, const L: usize>(
@@ -333,27 +322,36 @@ fn take_away<const W: usize>(coefficients: &[f64], value: [f64; W], rows: &mut [
     }
 }
 
-/// Four dot products with a common second factor, which is then loaded once.
+/// Sums of columns, weighted by the numbers of each of four other rows.
+///
+/// A column holds the numbers of a block's rows: all products fill a vector register, and no sum
+/// has to be taken across one.
+///
+/// - `weights`: one of the other rows, at least as long as there are columns.
 #[inline(always)]
-fn dot_4(rows: [&[f64]; 4], other: &[f64]) -> [f64; 4] {
-    const LANES: usize = 4;
-    let mut sums = [[0.0; LANES]; 4];
-    let whole = other.len() - other.len() % LANES;
-    let rows = rows.map(|row| &row[..other.len()]);
-    for at in (0..whole).step_by(LANES) {
-        for lane in 0..LANES {
-            let value = other[at + lane];
-            for row in 0..4 {
-                sums[row][lane] = rows[row][at + lane].mul_add(value, sums[row][lane]);
+fn sums_of_four<'a>(
+    columns: &[[f64; BLOCK]],
+    weights: impl Fn(usize) -> &'a [f64],
+) -> [[f64; BLOCK]; BLOCK] {
+    /// Sums of every other column, so that an addition need not wait for the last.
+    const CHAINS: usize = 2;
+    let (columns, _) = columns.as_chunks::<CHAINS>();
+    let weights: [&[[f64; CHAINS]]; BLOCK] =
+        std::array::from_fn(|at| &weights(at).as_chunks().0[..columns.len()]);
+    let mut sums = [[[0.0; BLOCK]; BLOCK]; CHAINS];
+    for (at, columns) in columns.iter().enumerate() {
+        for chain in 0..CHAINS {
+            for other in 0..BLOCK {
+                let weight = weights[other][at][chain];
+                for row in 0..BLOCK {
+                    let sum = &mut sums[chain][other][row];
+                    *sum = columns[chain][row].mul_add(weight, *sum);
+                }
             }
         }
     }
-    let mut dots = [0.0; 4];
-    for row in 0..4 {
-        let rest: f64 = (whole..other.len()).map(|at| rows[row][at] * other[at]).sum();
-        dots[row] = rest + sums[row].iter().sum::<f64>();
-    }
-    dots
+    let [even, odd] = sums;
+    std::array::from_fn(|other| std::array::from_fn(|row| even[other][row] + odd[other][row]))
 }
 
 #[cfg(test)]
