@@ -18,8 +18,8 @@ use crate::geometry::Point;
 /// One edge of a neighbourhood.
 #[derive(Debug, Clone, Copy, Default)]
 struct Edge {
-    /// `w̄ e` `[m]` in the reference, from the neighbour to the centre.
-    weighted: [f64; 3],
+    /// `w̄ e` `x y z 0` `[m]` in the reference, from the neighbour to the centre.
+    weighted: [f64; 4],
     /// The neighbour.
     vertex: u32,
     /// The unknown that the neighbour is; not read of a known one.
@@ -78,7 +78,8 @@ impl Neighbourhoods {
         memory: f64,
     ) {
         let (mut count, mut end) = (0, 0);
-        for (vertex, centre) in reference.iter().enumerate() {
+        for vertex in pattern.open_rows.iter().map(|vertex| *vertex as usize) {
+            let centre = reference[vertex];
             let row = || {
                 let row = pattern.row(vertex).filter(|(_, column)| *column != vertex);
                 row.filter(|(entry, _)| coefficients[*entry] != 0.0)
@@ -87,7 +88,7 @@ impl Neighbourhoods {
             let mut push = |entry: usize, column: usize, unknown: usize| {
                 let (weight, edge) = (-coefficients[entry], centre - reference[column]);
                 size += weight * edge.norm_squared();
-                let weighted = (weight * edge).into();
+                let weighted = (weight * edge).push(0.0).into();
                 self.edges[end] = Edge { weighted, vertex: column as u32, unknown: unknown as u32 };
                 end += 1;
                 end
@@ -191,16 +192,16 @@ impl WithSimd for Turn<'_> {
     }
 }
 
-/// `Σⱼ w̄ⱼ e'ⱼ eⱼᵀ`.
+/// `Σⱼ w̄ⱼ e'ⱼ eⱼᵀ`, its columns `x y z 0`.
 #[inline(always)]
-fn covariance(neighbourhood: &Neighbourhood, edges: &[Edge], positions: &[Point]) -> [[f64; 3]; 3] {
+fn covariance(neighbourhood: &Neighbourhood, edges: &[Edge], positions: &[Point]) -> [[f64; 4]; 3] {
     let centre = positions[neighbourhood.vertex as usize];
-    let mut sum = [[0.0; 3]; 3];
+    let mut sum = [[0.0; 4]; 3];
     for edge in &edges[neighbourhood.first as usize..neighbourhood.end as usize] {
         let other = positions[edge.vertex as usize];
         let along = [centre.x - other.x, centre.y - other.y, centre.z - other.z];
         for i in 0..3 {
-            for j in 0..3 {
+            for j in 0..4 {
                 sum[i][j] = along[i].mul_add(edge.weighted[j], sum[i][j]);
             }
         }
@@ -216,13 +217,15 @@ fn pull(
     columns: &[[f64; 4]; 3],
     pulls: &mut [[f64; 4]],
 ) {
-    let mut sum = [0.0; 3];
+    let mut sum = [0.0; 4];
     let (first, known, end) =
         (neighbourhood.first as usize, neighbourhood.known as usize, neighbourhood.end as usize);
     for edge in &edges[first..known] {
         let target = &mut pulls[edge.unknown as usize];
-        for j in 0..3 {
+        for j in 0..4 {
             sum[j] += edge.weighted[j];
+        }
+        for j in 0..3 {
             for i in 0..4 {
                 target[i] = (-edge.weighted[j]).mul_add(columns[j][i], target[i]);
             }
@@ -230,7 +233,7 @@ fn pull(
     }
     if let Some(at) = neighbourhood.unknown {
         for edge in &edges[known..end] {
-            for j in 0..3 {
+            for j in 0..4 {
                 sum[j] += edge.weighted[j];
             }
         }
