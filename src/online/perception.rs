@@ -2,7 +2,7 @@
 
 use super::{OnlineModel, Scene, mean_pose};
 use crate::forecast::{self, ForecastMethod, Moment};
-use crate::geometry::{Point, Vector, yaw_isometry};
+use crate::geometry::{Point, Vector};
 use crate::skeleton::{Frame, JointId};
 use crate::time::{Span, Stamp};
 use crate::track::{Belief, Followed, Tracker, Who};
@@ -169,12 +169,11 @@ impl Perception {
         let ahead = ahead as f64 * belief.tempo;
         let library = &model.library;
         for followed in &belief.followed {
-            let turn = yaw_isometry(followed.yaw, Vector::zeros());
             let pose = |frame| library.pose(followed.exemplar, Who::Partner, frame);
             let [now, then] = [followed.frame, followed.frame + ahead].map(pose);
             for (joint, place) in library.skeleton(Who::Partner).joints().zip(&mut *frame) {
                 let moved = then.position(joint) - now.position(joint);
-                *place += share * followed.weight * (turn * moved);
+                *place += share * followed.weight * followed.turned(moved);
             }
         }
     }

@@ -95,11 +95,8 @@ pub fn mean_pose(
     for followed in followed {
         let there = library.pose(followed.exemplar, who, followed.frame + ahead);
         let base = there.position(library.base(who));
-        let (sine, cosine) = followed.yaw.sin_cos();
-        let turned =
-            |v: Vector| Vector::new(cosine * v.x - sine * v.y, sine * v.x + cosine * v.y, v.z);
         for (joint, place) in library.skeleton(who).joints().zip(&mut *pose) {
-            *place += followed.weight * turned(there.position(joint) - base);
+            *place += followed.weight * followed.turned(there.position(joint) - base);
         }
     }
 }

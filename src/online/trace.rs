@@ -123,7 +123,7 @@ pub fn trace_line(model: &OnlineModel, input: &TickInput<'_>, tick: &Tick<'_>) -
                 "demonstration": followed.exemplar,
                 "weight": rounded(followed.weight),
                 "time": rounded(followed.frame * step),
-                "yaw": rounded(followed.yaw),
+                "yaw": rounded(followed.turn.angle()),
             })
         })
         .collect();

@@ -1,6 +1,9 @@
 //! What the tracker believes.
 
+use nalgebra::UnitComplex;
+
 use crate::demonstration::Hands;
+use crate::geometry::Vector;
 
 /// A demonstration that the interaction follows.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,8 +14,16 @@ pub struct Followed {
     pub weight: f64,
     /// Where in it the interaction is, in frames of the grid.
     pub frame: f64,
-    /// How much it is turned to lie on the interaction `[rad]`, about the vertical.
-    pub yaw: f64,
+    /// How it is turned about the vertical to lie on the interaction.
+    pub turn: UnitComplex<f64>,
+}
+
+impl Followed {
+    /// A vector of the demonstration's `[m]`, as the interaction sees it.
+    pub fn turned(&self, vector: Vector) -> Vector {
+        let turned = self.turn * vector.xy();
+        Vector::new(turned.x, turned.y, vector.z)
+    }
 }
 
 /// Where an interaction is in the demonstrations.

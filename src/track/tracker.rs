@@ -1,5 +1,7 @@
 //! The filter over (demonstration, frame).
 
+use nalgebra::{Complex, UnitComplex};
+
 use super::library::{RATES, Who, squared_distance};
 use super::{Belief, Followed, Library};
 use crate::demonstration::Hands;
@@ -38,10 +40,11 @@ struct State {
 }
 
 impl State {
-    /// How much the demonstration is turned to lie on the interaction `[rad]`.
-    fn yaw(&self) -> f64 {
+    /// How the demonstration is turned to lie on the interaction; not at all where nothing tells.
+    fn turn(&self) -> UnitComplex<f64> {
         let [cosine, sine] = self.turn;
-        sine.atan2(cosine)
+        let turn = UnitComplex::try_new(Complex::new(cosine, sine), 0.0);
+        turn.unwrap_or_else(UnitComplex::identity)
     }
 }
 
@@ -124,7 +127,7 @@ impl Tracker {
             exemplar,
             weight,
             frame: state.frame,
-            yaw: state.yaw(),
+            turn: state.turn(),
         })
     }
 
@@ -279,8 +282,8 @@ impl Tracker {
         belief.followed.clear();
         let agreeing = order.iter().filter(|at| exemplars[**at].hands == hands).take(most);
         for at in agreeing {
-            let (frame, yaw) = (states[*at].frame, states[*at].yaw());
-            belief.followed.push(Followed { exemplar: *at, weight: weight(*at), frame, yaw });
+            let (frame, turn) = (states[*at].frame, states[*at].turn());
+            belief.followed.push(Followed { exemplar: *at, weight: weight(*at), frame, turn });
         }
         let total: f64 = belief.followed.iter().map(|followed| followed.weight).sum();
         (belief.contact, belief.tempo) = (0.0, 0.0);

@@ -5,7 +5,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::geometry::{Point, Vector, yaw_isometry};
+use crate::geometry::{Point, Vector};
 use crate::online::{OnlineModel, Perception};
 use crate::track::Who;
 
@@ -71,10 +71,9 @@ fn demonstrated(model: &OnlineModel, perception: &Perception, who: Who) -> DMatr
     let joints = library.skeleton(who).len();
     let mut columns = DMatrix::zeros(3 * joints, library.exemplars().len());
     for (followed, mut column) in perception.everywhere().zip(columns.column_iter_mut()) {
-        let turn = yaw_isometry(followed.yaw, Vector::zeros());
         for joint in library.skeleton(who).joints() {
             let from_base = library.from_base(followed.exemplar, who, followed.frame, joint);
-            column.fixed_rows_mut::<3>(3 * joint.index()).copy_from(&(turn * from_base));
+            column.fixed_rows_mut::<3>(3 * joint.index()).copy_from(&followed.turned(from_base));
         }
     }
     columns
