@@ -24,6 +24,7 @@ pub mod online;
 pub mod predict;
 pub mod retarget;
 pub mod safety;
+pub mod settings;
 pub mod skeleton;
 pub mod statistics;
 pub mod time;

@@ -9,9 +9,10 @@ use std::path::Path;
 
 /// Who may import whom: a module, its layer, and the neighbours in its own layer it builds on.
 /// Whatever stands in a lower layer is allowed.
-const LAYERS: [(&str, u32, &[&str]); 23] = [
+const LAYERS: [(&str, u32, &[&str]); 24] = [
     ("geometry", 0, &[]),
     ("time", 0, &[]),
+    ("settings", 0, &[]),
     ("statistics", 0, &[]),
     ("linear", 0, &[]),
     ("delaunay", 0, &["geometry"]),

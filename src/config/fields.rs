@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde_json::{Value, json};
 
 use super::{Change, Violation};
+use crate::settings::{Number, Setting};
 
 /// Keys and values that are taken one by one; what nobody takes is unknown.
 pub(super) struct Fields {
@@ -77,6 +78,16 @@ impl Fields {
         };
         let bound = || format!("a whole number from {low} to {high}");
         self.take(key, target, parse, |n| json!(n), bound);
+    }
+
+    /// Numbers that have their bounds with them.
+    pub(super) fn numbers<'a>(&mut self, settings: impl IntoIterator<Item = Setting<'a>>) {
+        for Setting { key, number, low, high } in settings {
+            match number {
+                Number::Real(value) => self.float(key, value, low, high),
+                Number::Count(value) => self.count(key, value, low as usize, high as usize),
+            }
+        }
     }
 
     /// A text that is not empty.

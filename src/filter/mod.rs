@@ -23,7 +23,7 @@ mod tracks;
 mod update;
 
 pub use partner::Partner;
-pub use settings::{FilterError, FilterSettings};
+pub use settings::FilterSettings;
 pub use update::Filter;
 
 use crate::geometry::{Point, is_finite};
@@ -59,6 +59,21 @@ pub enum Doubt {
     OutOfOrder,
     /// The stamp is this much after `now` (before, if negative): more than clocks may differ.
     FarFromNow(Span),
+}
+
+impl Doubt {
+    /// The name in traces.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nobody => "nobody",
+            Self::Stale(_) => "stale",
+            Self::Lost => "lost",
+            Self::Jump => "jump",
+            Self::Exchanged => "exchanged",
+            Self::OutOfOrder => "out_of_order",
+            Self::FarFromNow(_) => "far_from_now",
+        }
+    }
 }
 
 /// Coordinates beyond this `[m]` are no place of a person, in whatever world.

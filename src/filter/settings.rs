@@ -1,5 +1,7 @@
 //! What is believed of a stream of sightings.
 
+use crate::settings::{OutOfBounds, Setting, check, real};
+
 /// What is believed of a stream of sightings; the numbers were chosen on recordings (SBU classes
 /// 04, 05, 08) that no table here is about.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,20 +47,6 @@ pub struct FilterSettings {
     pub clock_tolerance: f64,
 }
 
-/// A setting is out of its bounds.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("filter.{setting} is {value}, not {low} to {high}")]
-pub struct FilterError {
-    /// Which.
-    pub setting: &'static str,
-    /// Its value.
-    pub value: f64,
-    /// The least it may be.
-    pub low: f64,
-    /// The most it may be.
-    pub high: f64,
-}
-
 impl Default for FilterSettings {
     fn default() -> Self {
         Self {
@@ -86,38 +74,37 @@ impl Default for FilterSettings {
 }
 
 impl FilterSettings {
+    /// All settings with their bounds.
+    pub fn settings(&mut self) -> [Setting<'_>; 19] {
+        [
+            real("filter.confidence", &mut self.confidence, 0.0, 1.0),
+            real("filter.joint_speed", &mut self.joint_speed, 0.5, 50.0),
+            real("filter.joint_slack", &mut self.joint_slack, 0.0, 1.0),
+            real("filter.bone_share", &mut self.bone_share, 0.05, 5.0),
+            real("filter.believe", &mut self.believe, 0.0, 5.0),
+            real("filter.min_cutoff", &mut self.min_cutoff, 0.01, 100.0),
+            real("filter.cutoff_per_speed", &mut self.cutoff_per_speed, 0.0, 100.0),
+            real("filter.speed_cutoff", &mut self.speed_cutoff, 0.01, 100.0),
+            real("filter.bridge", &mut self.bridge, 0.0, 2.0),
+            real("filter.joint_damping", &mut self.joint_damping, 0.01, 10.0),
+            real("filter.body_damping", &mut self.body_damping, 0.01, 10.0),
+            real("filter.carry", &mut self.carry, 0.0, 2.0),
+            real("filter.body_speed", &mut self.body_speed, 0.1, 20.0),
+            real("filter.body_slack", &mut self.body_slack, 0.05, 2.0),
+            real("filter.settle", &mut self.settle, 0.0, 10.0),
+            real("filter.forget", &mut self.forget, 0.1, 60.0),
+            real("filter.stale", &mut self.stale, 0.01, 10.0),
+            real("filter.swap", &mut self.swap, 0.0, 10.0),
+            real("filter.clock_tolerance", &mut self.clock_tolerance, 0.01, 10.0),
+        ]
+    }
+
     /// Whether all settings are within their bounds.
     ///
     /// # Errors
-    /// [`FilterError`] names the first that is not.
-    pub fn check(&self) -> Result<(), FilterError> {
-        let bounds = [
-            ("confidence", self.confidence, 0.0, 1.0),
-            ("joint_speed", self.joint_speed, 0.5, 50.0),
-            ("joint_slack", self.joint_slack, 0.0, 1.0),
-            ("bone_share", self.bone_share, 0.05, 5.0),
-            ("believe", self.believe, 0.0, 5.0),
-            ("min_cutoff", self.min_cutoff, 0.01, 100.0),
-            ("cutoff_per_speed", self.cutoff_per_speed, 0.0, 100.0),
-            ("speed_cutoff", self.speed_cutoff, 0.01, 100.0),
-            ("bridge", self.bridge, 0.0, 2.0),
-            ("joint_damping", self.joint_damping, 0.01, 10.0),
-            ("body_damping", self.body_damping, 0.01, 10.0),
-            ("carry", self.carry, 0.0, 2.0),
-            ("body_speed", self.body_speed, 0.1, 20.0),
-            ("body_slack", self.body_slack, 0.05, 2.0),
-            ("settle", self.settle, 0.0, 10.0),
-            ("forget", self.forget, 0.1, 60.0),
-            ("stale", self.stale, 0.01, 10.0),
-            ("swap", self.swap, 0.0, 10.0),
-            ("clock_tolerance", self.clock_tolerance, 0.01, 10.0),
-        ];
-        for (setting, value, low, high) in bounds {
-            if !(low..=high).contains(&value) {
-                return Err(FilterError { setting, value, low, high });
-            }
-        }
-        Ok(())
+    /// [`OutOfBounds`] names the first that is not.
+    pub fn check(&self) -> Result<(), OutOfBounds> {
+        check(self.clone().settings())
     }
 }
 

@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use super::OnlineSettings;
 use crate::demonstration::Hands;
-use crate::filter::FilterError;
 use crate::forecast::{ForecastError, Forecaster};
 use crate::geometry::Vector;
 use crate::mesh::{MeshError, Pair};
 use crate::predict::{LearnedEdges, PredictSettings, Predictor};
 use crate::retarget::RetargetError;
 use crate::safety::SafetyError;
+use crate::settings::OutOfBounds;
 use crate::skeleton::{Role, Sequence};
 use crate::track::{Library, LibraryError};
 
@@ -26,9 +26,9 @@ pub enum OnlineError {
     /// The demonstrations make no mesh.
     #[error(transparent)]
     Mesh(#[from] MeshError),
-    /// A setting of the filter is out of range.
+    /// A setting is out of range.
     #[error(transparent)]
-    Filter(#[from] FilterError),
+    Settings(#[from] OutOfBounds),
     /// A limit is out of range, or a bone has no length.
     #[error(transparent)]
     Safety(#[from] SafetyError),
@@ -55,8 +55,10 @@ impl OnlineModel {
     /// Makes ready for ticks what was learned.
     ///
     /// # Errors
-    /// [`OnlineError`]: demonstrations too short to be forecast from, or all alike.
+    /// [`OnlineError`]: settings out of bounds, demonstrations too short to be forecast from or too
+    /// long to be followed, or all alike.
     pub fn new(predictor: &Predictor, settings: OnlineSettings) -> Result<Self, OnlineError> {
+        settings.check()?;
         let demonstrations = predictor.demonstrations();
         let library = Library::new(demonstrations, settings.track.clone())?;
         let motions: Vec<(&Sequence, u32)> =

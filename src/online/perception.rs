@@ -7,7 +7,7 @@ use crate::skeleton::{Frame, JointId};
 use crate::time::{Span, Stamp};
 use crate::track::{Belief, Followed, Tracker, Who};
 
-/// More frames than this are not kept: at 120 Hz a quarter of a second.
+/// More frames than this are not kept.
 const RECENT: usize = 32;
 
 /// What is made of the partner; all it needs it holds.
@@ -16,6 +16,9 @@ pub struct Perception {
     /// The newest frames, the oldest first; those before `first` are room.
     recent: Vec<Frame>,
     first: usize,
+    /// Frames are this far apart at least, but for the newest: so they last as long as velocities
+    /// are taken over, however fast the sensor is.
+    apart: Span,
     moment: Moment,
     tracker: Tracker,
     workspace: forecast::Workspace,
@@ -38,10 +41,13 @@ impl Perception {
         let horizons: Vec<f64> =
             [0.0].into_iter().chain(model.forecaster.horizons().iter().copied()).collect();
         let frames = model.settings.past + 1 + model.settings.future;
+        let longest = model.forecaster.velocity_window().max(model.settings.track.velocity_window);
+        let apart = Span((1e9 * longest) as i64 / (RECENT as i64 - 2));
         let blank = Frame { stamp: Stamp(0), positions: vec![Point::origin(); joints].into() };
         Self {
             recent: vec![blank; RECENT],
             first: RECENT,
+            apart,
             moment: Moment::new(skeleton, library.base(Who::Partner)),
             tracker: Tracker::new(library),
             workspace: model.forecaster.workspace(),
@@ -60,6 +66,8 @@ impl Perception {
     pub fn reset(&mut self) {
         self.first = RECENT;
         self.tracker.reset();
+        self.moves.fill(Vector::zeros());
+        self.guesses.fill(Vector::zeros());
     }
 
     /// Takes in the partner's joints at a stamp later than the last.
@@ -77,8 +85,12 @@ impl Perception {
         guessed: impl Fn(JointId) -> f64,
     ) {
         let elapsed = (stamp - self.recent[RECENT - 1].stamp).seconds();
-        self.recent.rotate_left(1);
-        self.first = self.first.saturating_sub(1);
+        let [before, last] = [RECENT - 2, RECENT - 1].map(|at| self.recent[at].stamp);
+        // In close succession the newest gives way.
+        if self.first + 2 > RECENT || last - before >= self.apart {
+            self.recent.rotate_left(1);
+            self.first = self.first.saturating_sub(1);
+        }
         let newest = &mut self.recent[RECENT - 1];
         newest.stamp = stamp;
         newest.positions.copy_from_slice(positions);

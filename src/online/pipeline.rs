@@ -32,6 +32,8 @@ pub struct Tick<'a> {
     pub reason: Option<HoldReason>,
     /// The partner, if known: all joints `[m]` at the instant of the tick.
     pub partner: Option<&'a [Point]>,
+    /// What of the partner is seen, mended and missing, and why a sighting was not taken.
+    pub filter: &'a Filter,
     /// Where in the demonstrations the interaction is.
     pub belief: &'a Belief,
     /// What was solved in this tick, if anything was.
@@ -61,9 +63,12 @@ pub struct Pipeline {
     gate: SafetyGate,
     holds_gap: bool,
     robot_base: Option<Point>,
+    /// Where the partner's joints are now by the filter alone: room.
+    places: Vec<Point>,
     body: Option<PartnerBody>,
+    /// When the partner was known last.
+    known: Option<Stamp>,
     is_cancelled: bool,
-    residual: Option<Residual>,
 }
 
 impl Pipeline {
@@ -82,7 +87,7 @@ impl Pipeline {
     ) -> Result<Self, OnlineError> {
         let settings = &model.settings;
         let partner = model.library.skeleton(Who::Partner).clone();
-        settings.filter.check()?;
+        let joints = partner.len();
         let filter =
             Filter::new(partner, model.library.base(Who::Partner), settings.filter.clone());
         let robot = model.library.skeleton(Who::Robot).clone();
@@ -96,9 +101,10 @@ impl Pipeline {
             gate,
             holds_gap: edges,
             robot_base: None,
+            places: vec![Point::origin(); joints],
             body: None,
+            known: None,
             is_cancelled: false,
-            residual: None,
             model,
         })
     }
@@ -122,8 +128,8 @@ impl Pipeline {
         self.gate.reset();
         self.robot_base = None;
         self.body = None;
+        self.known = None;
         self.is_cancelled = false;
-        self.residual = None;
     }
 
     /// Where the robot is to be, from all that is known at `input.now`.
@@ -136,7 +142,6 @@ impl Pipeline {
         if let Some(robot) = input.robot {
             self.take_robot(robot, input.now);
         }
-        self.residual = None;
         let seen = self.look(input);
         let proposed = if self.is_cancelled {
             Err(HoldReason::Cancelled)
@@ -144,9 +149,7 @@ impl Pipeline {
             seen.and_then(|()| self.propose())
         };
         let proposal = match proposed {
-            Ok(()) => {
-                Proposal::Move { poses: self.window.poses(), step: self.model.library.step() }
-            }
+            Ok(_) => Proposal::Move { poses: self.window.poses(), step: self.model.library.step() },
             Err(reason) => Proposal::Hold(reason),
         };
         let target = self.gate.admit(proposal, self.body.as_ref(), input.now);
@@ -155,13 +158,11 @@ impl Pipeline {
         let (reference, poses) = (&self.reference.robot, self.window.poses());
         Tick {
             target,
-            reason: match (target, proposed) {
-                (None, _) => Some(HoldReason::NoRobot),
-                (Some(target), _) => target.reason(),
-            },
+            reason: target.map_or(Some(HoldReason::NoRobot), Target::reason),
+            filter: &self.filter,
             partner: seen.is_ok().then(|| self.perception.scene().now(&self.model)),
             belief: self.perception.belief(),
-            solved: self.residual.map(|residual| Solved {
+            solved: proposed.ok().map(|residual| Solved {
                 reference: &reference[past * joints..][..joints],
                 poses,
                 residual,
@@ -183,7 +184,18 @@ impl Pipeline {
     fn look(&mut self, input: &TickInput<'_>) -> Result<(), HoldReason> {
         let Self { model, filter, perception, .. } = self;
         let partner = filter.update(input.sighting.as_ref(), input.now);
-        let partner = partner.map_err(|doubt| reason(doubt, model.settings.stop_after))?;
+        let known = self.known.get_or_insert(input.now);
+        let partner = match partner {
+            Ok(partner) => partner,
+            Err(doubt)
+                if doubt != Doubt::Nobody
+                    && (input.now - *known).seconds() > model.settings.stop_after =>
+            {
+                return Err(HoldReason::Stopped);
+            }
+            Err(doubt) => return Err(reason(doubt)),
+        };
+        *known = input.now;
         let base = self.robot_base.ok_or(HoldReason::NoRobot)?;
         if partner.is_new() {
             perception.reset();
@@ -194,14 +206,15 @@ impl Pipeline {
             let guessed = |joint| partner.unseen(joint).map_or(1.0, |time| (time / guess).min(1.0));
             perception.see(model, partner.stamp(), partner.positions(), base, guessed);
         }
-        let scene =
-            perception.look(model, input.now, base, |stamp, places| partner.at(stamp, places));
-        self.body = Some(body(model, scene.now(model)));
+        perception.look(model, input.now, base, |stamp, places| partner.at(stamp, places));
+        // What is kept away from is what was seen, whatever the demonstrations make of it.
+        partner.at(input.now, &mut self.places);
+        self.body = Some(body(model, &self.places));
         Ok(())
     }
 
     /// Fills the window's poses, or says why there are none.
-    fn propose(&mut self) -> Result<(), HoldReason> {
+    fn propose(&mut self) -> Result<Residual, HoldReason> {
         let Self { model, perception, reference, window, .. } = self;
         if perception.belief().followed.is_empty() {
             return Err(HoldReason::NoPartner);
@@ -211,9 +224,7 @@ impl Pipeline {
         }
         let (belief, scene) = (perception.belief(), perception.scene());
         reference.fill(model, belief, scene, self.holds_gap);
-        let residual = window.solve(model, belief, scene, reference);
-        self.residual = Some(residual.map_err(|_| HoldReason::Unsolved)?);
-        Ok(())
+        window.solve(model, belief, scene, reference).map_err(|_| HoldReason::Unsolved)
     }
 }
 
@@ -229,10 +240,9 @@ fn body(model: &OnlineModel, places: &[Point]) -> PartnerBody {
 }
 
 /// Why there is nobody to hand over to.
-fn reason(doubt: Doubt, stop_after: f64) -> HoldReason {
+fn reason(doubt: Doubt) -> HoldReason {
     match doubt {
         Doubt::Nobody => HoldReason::NoPartner,
-        Doubt::Stale(since) if since.seconds() > stop_after => HoldReason::Stopped,
         Doubt::Stale(_) => HoldReason::Stale,
         Doubt::Lost => HoldReason::Lost,
         Doubt::Jump => HoldReason::Jump,

@@ -3,6 +3,7 @@
 use crate::filter::FilterSettings;
 use crate::forecast::ForecastSettings;
 use crate::safety::SafetySettings;
+use crate::settings::{OutOfBounds, Setting, check, count, real};
 use crate::track::TrackSettings;
 
 /// The numbers behind a tick.
@@ -14,8 +15,8 @@ pub struct OnlineSettings {
     pub safety: SafetySettings,
     /// Ticks a second of replays `[Hz]`, 1 to 10,000; live, the caller's clock decides.
     pub tick_rate: f64,
-    /// How long the partner may go unseen before the robot, once it goes on, does so gently `[s]`;
-    /// from [`FilterSettings::stale`] on it holds.
+    /// How long the partner may not be known, for whatever reason, before the robot, once it goes
+    /// on, does so gently `[s]`.
     pub stop_after: f64,
     /// How the partner is looked for in the demonstrations; the window is on the same grid of time.
     pub track: TrackSettings,
@@ -58,5 +59,33 @@ impl Default for OnlineSettings {
             contact_hold: 0.4,
             refactor: 1e-3,
         }
+    }
+}
+
+impl OnlineSettings {
+    /// The settings of tick and window with their bounds; the parts have their own.
+    pub fn settings(&mut self) -> [Setting<'_>; 9] {
+        [
+            real("tick.rate", &mut self.tick_rate, 1.0, 10_000.0),
+            real("tick.stop_after", &mut self.stop_after, 0.01, 60.0),
+            count("window.past", &mut self.past, 0, 60),
+            count("window.future", &mut self.future, 1, 120),
+            count("window.steps", &mut self.steps, 1, 10_000),
+            real("window.trust", &mut self.trust, 0.001, 60.0),
+            real("window.guess", &mut self.guess, 0.001, 600.0),
+            real("window.contact_hold", &mut self.contact_hold, 0.0, 60.0),
+            real("window.refactor", &mut self.refactor, 0.0, 1.0),
+        ]
+    }
+
+    /// Whether the settings of tick, window, filter and tracker are within their bounds; forecaster
+    /// and gate look at their own.
+    ///
+    /// # Errors
+    /// [`OutOfBounds`] names the first that is not.
+    pub fn check(&self) -> Result<(), OutOfBounds> {
+        check(self.clone().settings())?;
+        self.filter.check()?;
+        self.track.check()
     }
 }

@@ -1,13 +1,15 @@
 //! What a tick was given and what it said, as a line of JSON: what replays write down.
 //!
-//! Inputs are written to the bit, so that the ticks can be made again; the target to a micrometre,
-//! so that its speed and acceleration can be looked at; the rest to a tenth of a millimetre. No
-//! clock is in it: the same input gives the same bytes.
+//! Inputs are written to the bit, but for places that are no numbers; the target to a micrometre, so
+//! that its speed and acceleration can be looked at; the rest to a tenth of a millimetre. No clock
+//! is in it: the same input gives the same bytes.
 
 use serde_json::{Map, Value, json};
 
 use super::{OnlineModel, Tick, TickInput};
+use crate::filter::{Doubt, Filter, Partner};
 use crate::geometry::{Point, is_finite};
+use crate::skeleton::JointId;
 use crate::track::Who;
 
 /// The first line of a trace: what the numbers in the others are.
@@ -56,7 +58,8 @@ impl TraceHeader<'_> {
 /// | `sighting` | what came in of the partner: `stamp`, `body`, `positions`, `confidences` |
 /// | `robot` | where the robot said its joints were |
 /// | `partner` | where the partner's joints are now, as believed |
-/// | `phase` | where in the demonstrations that is: `followed` (`demonstration` counted from 0, `weight`, `time` since its start, `yaw`), `hands` (the robot's and the partner's), `contact_in`, `tempo`, `distance`, `familiar` |
+/// | `seen` | of the partner's skeleton: `ignored` (why the sighting was not taken), `unseen` (joints not in the newest sighting), `lost` (those whose place is a guess), `swapped` (whether left and right were exchanged in it, and mended) |
+/// | `phase` | where in the demonstrations that is: `followed` (`demonstration` counted from 0, `weight`, `time` since its start, `yaw`), `hands` (the robot's and the partner's), `contact_in` (seconds at the demonstrations' tempo), `tempo`, `distance` (m, from the demonstrations), `turned` (rad, of the partner from the robot, beyond theirs), `familiar` |
 /// | `reference` | the robot's joints now by the demonstrations followed |
 /// | `solution` | the same bent to the partner, before the gate |
 /// | `residual` | what the solve left over: `steps`, `last_step`, `bones` |
@@ -139,12 +142,14 @@ pub fn trace_line(model: &OnlineModel, input: &TickInput<'_>, tick: &Tick<'_>) -
         })),
         "robot": input.robot.map(|robot| points(robot, |value| value)),
         "partner": tick.partner.map(|partner| points(partner, rounded)),
+        "seen": seen(model, tick.filter),
         "phase": {
             "followed": followed,
             "hands": sides,
             "contact_in": rounded(belief.contact * step),
             "tempo": rounded(belief.tempo),
             "distance": rounded(belief.distance),
+            "turned": rounded(belief.turned),
             "familiar": belief.is_familiar,
         },
         "reference": tick.solved.map(|solved| points(solved.reference, rounded)),
@@ -159,6 +164,24 @@ pub fn trace_line(model: &OnlineModel, input: &TickInput<'_>, tick: &Tick<'_>) -
         "reason": tick.reason.map(|reason| reason.name()),
     });
     line.to_string()
+}
+
+/// What of the partner's skeleton is seen, mended and missing.
+fn seen(model: &OnlineModel, filter: &Filter) -> Value {
+    let skeleton = model.library().skeleton(Who::Partner);
+    let partner = filter.partner().ok();
+    let names = |is_meant: &dyn Fn(Partner<'_>, JointId) -> bool| {
+        partner.map(|partner| {
+            let joints = skeleton.joints().filter(|joint| is_meant(partner, *joint));
+            joints.map(|joint| skeleton.name(joint)).collect::<Vec<_>>()
+        })
+    };
+    json!({
+        "ignored": filter.ignored().map(Doubt::name),
+        "unseen": names(&|partner, joint| !partner.is_tracked(joint)),
+        "lost": names(&|partner, joint| partner.is_lost(joint)),
+        "swapped": partner.map(|partner| partner.swapped()),
+    })
 }
 
 /// `[[x, y, z], …]`; what is no place is null.

@@ -1,8 +1,8 @@
 //! The mesh over a few frames of past and future, solved for the robot's joints.
 //!
 //! As [`crate::predict::Problem`] does for a whole interaction: the partner's joints and the
-//! robot's base are known and eliminated, their Laplacian rows stay; bones are made exact behind
-//! the solve. Pattern and workspace are made once per pair of hands.
+//! robot's base are known and, unless soft, eliminated; their Laplacian rows stay; bones are made
+//! exact behind the solve. Pattern and workspace are made once per pair of hands.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use super::{OnlineError, OnlineModel, Reference, Scene};
 use crate::demonstration::Hands;
 use crate::geometry::Point;
 use crate::mesh::{EdgeWeights, InitialEdges, InteractionMesh, Topology, Vertex};
-use crate::predict::phase;
+use crate::predict::{KnownJoints, phase};
 use crate::retarget::{
     Constraint, Residual, RetargetSettings, Retargeter, Transform, Workspace, project_bones,
 };
@@ -81,10 +81,14 @@ impl Window {
         let positions = first_frame.repeat(frames);
         let base = pair.vertex(model.robot, library.base(Who::Robot));
         let vertices = [Role::First, Role::Second].into_iter().flat_map(|role| pair.vertices(role));
+        let known = match model.predict.known {
+            KnownJoints::Eliminated => Constraint::Fixed,
+            KnownJoints::Soft => Constraint::Soft(1.0),
+        };
         let constraints: Vec<Constraint> = vertices
             .map(|vertex| {
                 let is_known = pair.role(vertex) != model.robot || vertex == base;
-                if is_known { Constraint::Fixed } else { Constraint::Free }
+                if is_known { known } else { Constraint::Free }
             })
             .collect();
         let constraints = constraints.repeat(frames);
@@ -131,9 +135,10 @@ impl Window {
         })
     }
 
-    /// Forgets the last solution: the next solve starts from its reference.
+    /// Forgets the last solution and factor: the next solve is as a new window's.
     pub fn reset(&mut self) {
         self.warm = None;
+        self.systems.iter_mut().for_each(|system| system.is_factored = false);
     }
 
     /// The robot's joints now and at each later frame of the last window: `[m]`,
@@ -198,7 +203,7 @@ impl System {
     fn weigh(&mut self, model: &OnlineModel, belief: &Belief) -> Result<(), OnlineError> {
         let kernel = model.predict.kernel;
         let vertices = model.pair.len();
-        let mut changed = false;
+        let mut changed = !self.is_factored;
         for Between { edge, ends, factors, weights } in &mut self.between {
             let places = self.mesh.positions().chunks_exact(vertices);
             for (frame, (weight, places)) in weights.iter_mut().zip(places).enumerate() {

@@ -11,7 +11,7 @@ pub enum HoldReason {
     NoPartner,
     /// The partner has not been seen for a while.
     Stale,
-    /// The partner has not been seen for so long that the robot resumes gently.
+    /// The partner has not been known for so long that the robot resumes gently.
     Stopped,
     /// Too little of the partner is seen, or where they stand is not a finite place.
     Lost,

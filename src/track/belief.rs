@@ -37,7 +37,10 @@ pub struct Belief {
     pub tempo: f64,
     /// How far the partner is from the demonstrations `[m]`: mean distance of a joint.
     pub distance: f64,
-    /// Whether that is near enough to be one of the interactions demonstrated.
+    /// How far the way they face, as seen from the robot, is from that of the demonstrations `[rad]`,
+    /// of late: 0 to π.
+    pub turned: f64,
+    /// Whether both are near enough to be one of the interactions demonstrated.
     pub is_familiar: bool,
     /// When the hands meet, in frames of the grid from now at the demonstrations' tempo; below 0
     /// once they have.

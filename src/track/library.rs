@@ -1,16 +1,28 @@
 //! Demonstrations on one grid of time, and their moments as places in a latent space.
 
+use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::Arc;
+
+use nalgebra::{Complex, UnitComplex};
 
 use super::TrackSettings;
 use crate::demonstration::{Demonstration, Hands};
 use crate::forecast::Moment;
 use crate::geometry::{Point, Vector};
 use crate::motion::{Dimensions, MotionError, Pca, Rows};
+use crate::settings::OutOfBounds;
 use crate::skeleton::{JointId, Sequence, SequenceError, Skeleton};
 use crate::statistics::quantile;
 use crate::time::{Span, Stamp};
+
+/// A partner turned by less than this `[rad]` may be one whose shoulders were measured badly, and
+/// by more than that turns their back: whatever the demonstrations.
+const LEAST_TURN: f64 = PI / 3.0;
+const MOST_TURN: f64 = 2.0 * PI / 3.0;
+
+/// Demonstrations of more frames of the grid than this are not followed: an hour at 30 Hz.
+const MOST_FRAMES: i64 = 108_000;
 
 /// Why demonstrations make no library.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -32,6 +44,21 @@ pub enum LibraryError {
         /// Why.
         error: SequenceError,
     },
+    /// A demonstration, or a gap in it, is too long to be followed.
+    #[error(
+        "{demonstration} lasts {seconds} s, {frames} frames of track.rate: {MOST_FRAMES} at most"
+    )]
+    Long {
+        /// The demonstration's name.
+        demonstration: String,
+        /// How long it is `[s]`.
+        seconds: f64,
+        /// How many frames of the grid that is.
+        frames: i64,
+    },
+    /// A setting is out of its bounds.
+    #[error(transparent)]
+    Settings(#[from] OutOfBounds),
     /// Moments without a latent space.
     #[error(transparent)]
     Motion(#[from] MotionError),
@@ -85,6 +112,10 @@ pub struct Library {
     step: Span,
     /// Farther from all moments than this `[m]` is no demonstrated interaction.
     familiar: f64,
+    /// In which direction the partners have the robot, from the way they face.
+    bearing: UnitComplex<f64>,
+    /// Turned from that by more than this `[rad]` is no demonstrated interaction.
+    turned: f64,
     settings: TrackSettings,
 }
 
@@ -92,17 +123,18 @@ impl Library {
     /// Lays demonstrations on the grid; they are taken as smoothed as they are.
     ///
     /// # Errors
-    /// [`LibraryError`] if there are none, if they differ in joints or roles, or all moments are
-    /// alike.
+    /// [`LibraryError`] if there are none, if they differ in joints or roles, one is too long, all
+    /// moments are alike, or a setting is out of bounds.
     pub fn new(
         demonstrations: &[Arc<Demonstration>],
         settings: TrackSettings,
     ) -> Result<Self, LibraryError> {
+        settings.check()?;
         let first = demonstrations.first().ok_or(LibraryError::Empty)?;
         let skeletons = [first.robot().skeleton().clone(), first.partner().skeleton().clone()];
         let bases = [first.robot_base(), first.partner_base()];
         let step = Span((1e9 / settings.rate).round() as i64);
-        let (mut exemplars, mut features) = (Vec::new(), Vec::new());
+        let (mut exemplars, mut features, mut bearings) = (Vec::new(), Vec::new(), Vec::new());
         for demonstration in demonstrations {
             let name = || demonstration.recording().name().to_owned();
             let same = demonstration.robot_role() == first.robot_role()
@@ -110,6 +142,13 @@ impl Library {
                 && *demonstration.partner().skeleton() == skeletons[1];
             if !same {
                 return Err(LibraryError::Other { demonstration: name() });
+            }
+            let frames = demonstration.partner().frames();
+            let span = frames[frames.len() - 1].stamp - frames[0].stamp;
+            let frames = span.0 / step.0;
+            if frames > MOST_FRAMES {
+                let (demonstration, seconds) = (name(), span.seconds());
+                return Err(LibraryError::Long { demonstration, seconds, frames });
             }
             let start = exemplars.last().map_or(0, |last: &Exemplar| last.rows.end);
             let lay = |motion: &Sequence| {
@@ -125,6 +164,7 @@ impl Library {
                 let past = &partner.frames()[..=frame];
                 moment.observe(&skeletons[1], past, settings.velocity_window);
                 let base = robot.position(frame, bases[0]);
+                bearings.extend(bearing(&moment, base));
                 let from = features.len();
                 features.resize(from + feature_count(&skeletons[1]), 0.0);
                 write_features(&moment, base, &settings, &mut features[from..]);
@@ -154,8 +194,23 @@ impl Library {
         };
         let [still, usual, hurried] = RATES.map(at_rate);
         let points = [still?, usual?, hurried?];
-        let mut library =
-            Self { exemplars, skeletons, bases, pca, points, step, familiar: 0.0, settings };
+        let sum: Complex<f64> = bearings.iter().map(|bearing| bearing.into_inner()).sum();
+        let bearing = UnitComplex::try_new(sum, 0.0).unwrap_or_else(UnitComplex::identity);
+        let off = bearings.iter().map(|other| bearing.angle_to(other).abs()).collect();
+        let usual = quantile(off, 0.95).unwrap_or(0.0);
+        let turned = (settings.strangeness * usual).clamp(LEAST_TURN, MOST_TURN);
+        let mut library = Self {
+            exemplars,
+            skeletons,
+            bases,
+            pca,
+            points,
+            step,
+            familiar: 0.0,
+            bearing,
+            turned,
+            settings,
+        };
         library.familiar = library.settings.strangeness * library.own_distance();
         Ok(library)
     }
@@ -216,6 +271,16 @@ impl Library {
     /// Farther from all moments than this `[m]` is no demonstrated interaction.
     pub(super) fn familiar(&self) -> f64 {
         self.familiar
+    }
+
+    /// How far a direction to the robot is from where the demonstrations' partners had it `[rad]`.
+    pub(super) fn turned_by(&self, bearing: UnitComplex<f64>) -> f64 {
+        self.bearing.angle_to(&bearing).abs()
+    }
+
+    /// Turned by more than this `[rad]` is no demonstrated interaction.
+    pub(super) fn turned(&self) -> f64 {
+        self.turned
     }
 
     /// The latent place of a moment.
@@ -320,6 +385,12 @@ fn write_features(moment: &Moment, base: Point, settings: &TrackSettings, featur
     pose.iter_mut().for_each(|value| *value *= scale);
     let place = moment.positions()[moment.root().index()];
     *last = (base - place).xy().norm() * settings.distance_weight;
+}
+
+/// In which direction a person has the robot, from the way they face; none on the same spot.
+pub(super) fn bearing(moment: &Moment, robot_base: Point) -> Option<UnitComplex<f64>> {
+    let place = moment.root_from_world() * robot_base;
+    UnitComplex::try_new(Complex::new(place.x, place.y), 1e-9)
 }
 
 fn on_grid(motion: &Sequence, step: Span) -> Result<Sequence, SequenceError> {

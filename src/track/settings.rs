@@ -1,5 +1,7 @@
 //! How the partner is looked for in the demonstrations.
 
+use crate::settings::{OutOfBounds, Setting, check, count, real};
+
 /// How the partner is looked for in the demonstrations.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrackSettings {
@@ -35,7 +37,8 @@ pub struct TrackSettings {
     /// How long ago still counts for how fast time goes `[s]`, > 0.
     pub pace_memory: f64,
     /// How many times as far as demonstrations are from each other a partner may be from all of
-    /// them `[-]`, > 0; farther is no demonstrated interaction.
+    /// them `[-]`, > 0, and how many times as far turned from the robot (60 to 120 degrees in any
+    /// case); farther is no demonstrated interaction.
     pub strangeness: f64,
 }
 
@@ -58,5 +61,36 @@ impl Default for TrackSettings {
             pace_memory: 0.5,
             strangeness: 3.0,
         }
+    }
+}
+
+impl TrackSettings {
+    /// All settings with their bounds.
+    pub fn settings(&mut self) -> [Setting<'_>; 15] {
+        [
+            real("track.rate", &mut self.rate, 5.0, 120.0),
+            count("track.demonstrations", &mut self.demonstrations, 1, 1000),
+            real("track.velocity_window", &mut self.velocity_window, 0.001, 10.0),
+            real("track.velocity_weight", &mut self.velocity_weight, 0.0, 1000.0),
+            real("track.distance_weight", &mut self.distance_weight, 0.0, 100.0),
+            count("track.dimensions", &mut self.dimensions, 1, 1000),
+            real("track.spread", &mut self.spread, 0.001, 10.0),
+            real("track.start", &mut self.start, 0.01, 600.0),
+            real("track.pause", &mut self.pause, 0.0, 0.45),
+            real("track.hurry", &mut self.hurry, 0.0, 0.45),
+            real("track.restart", &mut self.restart, 0.01, 600.0),
+            real("track.leap", &mut self.leap, 0.0, 0.5),
+            real("track.memory", &mut self.memory, 0.001, 60.0),
+            real("track.pace_memory", &mut self.pace_memory, 0.001, 60.0),
+            real("track.strangeness", &mut self.strangeness, 0.01, 1000.0),
+        ]
+    }
+
+    /// Whether all settings are within their bounds.
+    ///
+    /// # Errors
+    /// [`OutOfBounds`] names the first that is not.
+    pub fn check(&self) -> Result<(), OutOfBounds> {
+        check(self.clone().settings())
     }
 }

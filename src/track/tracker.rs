@@ -2,7 +2,7 @@
 
 use nalgebra::{Complex, UnitComplex};
 
-use super::library::{RATES, Who, squared_distance};
+use super::library::{RATES, Who, bearing, squared_distance};
 use super::{Belief, Followed, Library};
 use crate::demonstration::Hands;
 use crate::forecast::Moment;
@@ -68,6 +68,8 @@ pub struct Tracker {
     last: Option<Stamp>,
     /// The part of a frame of the grid that has not been stepped yet `[s]`.
     rest: f64,
+    /// In which direction the partner has the robot, of late: `(cos, sin)`.
+    bearing: [f64; 2],
     belief: Belief,
 }
 
@@ -90,11 +92,13 @@ impl Tracker {
             point: vec![0.0; library.points()[0].width()],
             last: None,
             rest: 0.0,
+            bearing: [0.0; 2],
             belief: Belief {
                 followed: Vec::with_capacity(most),
                 hands,
                 tempo: 1.0,
                 distance: f64::INFINITY,
+                turned: 0.0,
                 is_familiar: false,
                 contact: 0.0,
             },
@@ -110,6 +114,8 @@ impl Tracker {
         self.chances.copy_from_slice(&self.starts);
         self.belief.followed.clear();
         self.belief.distance = f64::INFINITY;
+        self.bearing = [0.0; 2];
+        self.belief.turned = 0.0;
         self.belief.is_familiar = false;
         self.belief.tempo = 1.0;
         self.states.iter_mut().for_each(|state| state.tempo = 1.0);
@@ -181,6 +187,7 @@ impl Tracker {
             }
         }
         self.choose(library, nearest, forgotten);
+        self.judge(library, moment, robot_base, forgotten.max(0.1));
         &self.belief
     }
 
@@ -298,7 +305,23 @@ impl Tracker {
         } else {
             nearest
         };
-        belief.is_familiar = belief.distance <= library.familiar();
+    }
+
+    /// Whether this is an interaction as demonstrated: like one of them, and towards the robot.
+    ///
+    /// - `share`: of what is new in what is known of late `[-]`.
+    fn judge(&mut self, library: &Library, moment: &Moment, robot_base: Point, share: f64) {
+        if let Some(bearing) = bearing(moment, robot_base) {
+            for (kept, new) in self.bearing.iter_mut().zip([bearing.re, bearing.im]) {
+                *kept += share * (new - *kept);
+            }
+        }
+        let [cosine, sine] = self.bearing;
+        let bearing = UnitComplex::try_new(Complex::new(cosine, sine), 0.0);
+        let belief = &mut self.belief;
+        belief.turned = bearing.map_or(0.0, |bearing| library.turned_by(bearing));
+        belief.is_familiar =
+            belief.distance <= library.familiar() && belief.turned <= library.turned();
     }
 }
 
