@@ -17,8 +17,8 @@ pub enum Figure {
     GapAtContact,
     /// When the gap deviates least, minus the true contact `[ms]`; summed up without sign.
     Timing,
-    /// When 90 % of the way to contact is done, minus when the human had done it `[ms]`: above 0 is
-    /// late; summed up with sign.
+    /// When the hand has come 90 % of the human's way to contact, minus when the human had `[ms]`:
+    /// above 0 is late; summed up with sign, of hands that come so far at all.
     Reach,
     /// Largest deviation of a bone from the robot's own length `[mm]`.
     Bone,

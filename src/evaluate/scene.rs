@@ -170,23 +170,26 @@ impl<'a> KnownScene<'a> {
             .with(Figure::Reach, self.late(|frame| predicted[frame * joints + hand.index()]))
     }
 
-    /// How much later than the human a hand has done 90 % of its way to contact `[ms]`.
+    /// How much later than the human a hand has come 90 % of the human's way to contact `[ms]`;
+    /// `None` if it never does.
+    ///
+    /// Seen along the line from where the human's hand was farthest to where it was at contact: how
+    /// far a hand is off to the side is for other figures to say.
     fn late(&self, hand: impl Fn(usize) -> Point) -> Option<f64> {
-        let contact = self.scene.contact;
-        let own = arrival(contact, hand)?;
-        let human = arrival(contact, |frame| self.robot.position(frame, self.scene.robot_hand))?;
+        let (contact, frames) = (self.scene.contact, self.robot.len());
+        let human = |frame: usize| self.robot.position(frame, self.scene.robot_hand);
+        let left = |frame: usize| (human(frame) - human(contact)).norm();
+        let start = (0..=contact).max_by(|a, b| left(*a).total_cmp(&left(*b)))?;
+        let way = human(contact) - human(start);
+        if way.norm() < SHORTEST_REACH {
+            return None;
+        }
+        let come = |place: Point| (place - human(start)).dot(&way) / way.norm_squared();
+        let own = (start..frames).find(|frame| come(hand(*frame)) >= 0.9)?;
+        let human = (start..frames).find(|frame| come(human(*frame)) >= 0.9)?;
         let stamp = |frame: usize| self.robot.frames()[frame].stamp;
         Some((stamp(own) - stamp(human)).milliseconds())
     }
-}
-
-/// The first frame, after the hand was farthest from where it is at `contact`, at which a tenth of
-/// that way is left; `None` if it does not reach at all.
-fn arrival(contact: usize, hand: impl Fn(usize) -> Point) -> Option<usize> {
-    let left = |frame: usize| (hand(frame) - hand(contact)).norm();
-    let start = (0..=contact).max_by(|a, b| left(*a).total_cmp(&left(*b)))?;
-    let way = left(start);
-    (way >= SHORTEST_REACH).then(|| (start..=contact).find(|k| left(*k) <= 0.1 * way))?
 }
 
 fn mean(sum: f64, count: usize) -> Option<f64> {
@@ -195,4 +198,60 @@ fn mean(sum: f64, count: usize) -> Option<f64> {
 
 fn centimetres(metres: f64) -> f64 {
     100.0 * metres
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::kinematics::minimum_jerk;
+    use crate::skeleton::{Frame, Person, Recording, Side, Skeleton};
+    use crate::time::Stamp;
+
+    const FRAMES: usize = 60;
+    const PERIOD: i64 = 33_333_333;
+
+    /// Two who stand still but for their right hands, which meet in the middle at 1.5 s.
+    fn handover() -> Demonstration {
+        let skeleton = Skeleton::nite();
+        let person = |name: &str, place: f64, towards: f64| {
+            let frames = (0..FRAMES).map(|frame| {
+                let joint = |at: usize| {
+                    let height = 1.7 - 0.1 * at as f64;
+                    Point::new(place, 0.1 * towards * (at % 3) as f64, height)
+                };
+                let mut positions: Vec<Point> = (0..15).map(joint).collect();
+                let out = minimum_jerk((frame as f64 - 15.0) / 30.0);
+                positions[8] += Vector::x() * (0.45 * towards * out);
+                Frame { stamp: Stamp(frame as i64 * PERIOD), positions: positions.into() }
+            });
+            let motion = Sequence::new(skeleton.clone(), frames.collect()).unwrap();
+            Person { name: name.to_owned(), motion }
+        };
+        let people = [person("giver", -0.5, 1.0), person("receiver", 0.5, -1.0)];
+        let recording = Recording::new("clip".to_owned(), people, None, BTreeMap::new()).unwrap();
+        Demonstration::new(Arc::new(recording), "giver", "torso").unwrap()
+    }
+
+    #[test]
+    fn a_hand_is_as_late_as_it_is_behind_and_one_that_stays_never_comes() {
+        let truth = handover();
+        let hands = Hands { robot: Side::Right, partner: Side::Right };
+        let scene = KnownScene::new(&truth, hands, Vector::zeros(), &[]).unwrap();
+        let reach = |source: &dyn Fn(usize) -> usize| {
+            let frames = truth.robot().frames();
+            let predicted = (0..FRAMES).flat_map(|frame| frames[source(frame)].positions.iter());
+            scene.figures(&predicted.copied().collect::<Vec<_>>()).get(Figure::Reach)
+        };
+        let ms = |frames: i64| Some((frames * PERIOD) as f64 / 1e6);
+        assert_eq!(reach(&|frame| frame), ms(0));
+        assert_eq!(reach(&|frame| frame.saturating_sub(9)), ms(9));
+        assert_eq!(reach(&|frame| (frame + 4).min(FRAMES - 1)), ms(-4));
+        // After contact, too, it may come; half-way it has not.
+        assert_eq!(reach(&|frame| frame.saturating_sub(17)), ms(17));
+        assert_eq!(reach(&|_| 0), None);
+        assert_eq!(reach(&|frame| frame.min(30)), None);
+    }
 }
