@@ -56,7 +56,7 @@ fn missed(outcome: &Outcome) -> Vec<String> {
 
 #[test]
 fn every_scenario_holds_its_bounds() {
-    assert!(files().len() >= 9, "{:?}", files());
+    assert!(files().len() >= 10, "{:?}", files());
     let outcomes =
         files().into_iter().map(|file| Outcome::run(&scenario(&file), learnt()).unwrap());
     let missed: Vec<String> = outcomes.flat_map(|outcome| missed(&outcome)).collect();
@@ -110,6 +110,27 @@ fn who_stands_or_does_not_look_misses_every_scenario() {
         let blind = Outcome::with(&scenario, learnt(), &stage, &mut blind);
         assert!(!figures(&blind).is_empty(), "{}: who does not look", blind.name);
     }
+}
+
+/// The gate alone keeps the robot away from whoever steps in.
+#[test]
+fn without_separation_whoever_steps_in_is_crept_up_on() {
+    let mut config = Config::default();
+    config.online.safety.separation = 0.0;
+    let unguarded = Learnt::new(Learnt::DEMONSTRATIONS, &config).unwrap();
+    let scenario = named("steps_in");
+    let stage = Stage::new(&scenario).unwrap();
+    let mut pipeline = unguarded.pipeline(&stage).unwrap();
+    // Measured against the distance that is to be kept.
+    let outcome = Outcome::with(&scenario, learnt(), &stage, &mut pipeline);
+    let missed = missed(&outcome).join("\n");
+    println!("{missed}");
+    for key in ["crept_m_most", "held_apart_s_least"] {
+        assert!(missed.contains(key), "{key} not among\n{missed}");
+    }
+    let guarded = Outcome::run(&scenario, learnt()).unwrap();
+    let crept = [&outcome, &guarded].map(|outcome| outcome.figures[&Figure::Crept].unwrap());
+    assert!(crept[0] > 0.05 && crept[1] < 0.1 * crept[0], "{crept:?}");
 }
 
 #[test]
@@ -255,9 +276,10 @@ fn the_command_says_what_was_missed_by_table_and_exit_code() {
 
 #[test]
 fn bad_scenarios_are_refused_with_all_that_is_wrong() {
-    let text = "scene: {seed: 5, gap: 3, colour: red, giver: {stature: tall}}\n\
+    let text = "scene: {seed: 5, gap: 3, colour: red, giver: {stature: tall},\n\
+                \x20 step_in: {distance: 3}}\n\
                 sensor: {kind: radar, rate: 1000}\n\
-                events: {withdrawal: {reach: 9}, silence: {}}\n\
+                events: {withdrawal: {reach: 9}, silence: {}, exchange: {number: none}}\n\
                 tick_hz: 50\n\
                 robot: {lag_s: -1}\n\
                 bounds: {gap_cm_most: 5, holds_expected: [bored]}\n";
@@ -267,6 +289,8 @@ fn bad_scenarios_are_refused_with_all_that_is_wrong() {
         "scene.gap is 3, must be in [0.02, 0.4] m",
         "scene.giver.stature is \"tall\", must be a number",
         "scene.colour is \"red\", but there is only seed, giver",
+        "scene.step_in.distance is 3, must be in [0.05, 0.8] m",
+        "events.exchange.number is \"none\", must be one of same, other",
         "sensor.kind is \"radar\", must be one of ideal, kinect",
         "sensor.rate is 1000, must be in [5, 120] Hz",
         "events.withdrawal.reach is 9, must be a number from -2 to 4",
