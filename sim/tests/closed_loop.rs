@@ -58,7 +58,7 @@ fn missed(outcome: &Outcome) -> Vec<String> {
 
 #[test]
 fn every_scenario_holds_its_bounds() {
-    assert!(files().len() >= 10, "{:?}", files());
+    assert!(files().len() >= 11, "{:?}", files());
     let outcomes =
         files().into_iter().map(|file| Outcome::run(&scenario(&file), learnt()).unwrap());
     let missed: Vec<String> = outcomes.flat_map(|outcome| missed(&outcome)).collect();
@@ -131,7 +131,7 @@ const LOOKING: [Figure; 8] = [
 ];
 
 /// In these the partner does as in demonstrations, at their pace: what a human does then is right.
-const AS_DEMONSTRATED: [&str; 3] = ["nominal", "occlusion", "person_swap"];
+const AS_DEMONSTRATED: [&str; 4] = ["another_number", "nominal", "occlusion", "person_swap"];
 
 #[test]
 fn who_stands_or_does_not_look_misses_what_a_scenario_asks_for() {
@@ -254,6 +254,16 @@ fn events_change_what_they_say_and_nothing_else() {
     let dies = start + 0.5 * (end - start);
     assert!(last < dies && last > dies - 0.1, "{last}, {dies}");
     assert_eq!(heard[..], usual[..heard.len()]);
+    // Somebody else has a number of their own only where the sensor tells them apart.
+    let bodies = |name: &str| -> Vec<u32> {
+        let stage = Stage::new(&named(name)).unwrap();
+        let mut feed = stage.feed();
+        let ticks = (0..8000).map(|k| Stamp(0) + Span(k * 1_000_000));
+        ticks.filter_map(|now| feed.receive(now)).map(|message| message.body).collect()
+    };
+    let others = |name: &str| bodies(name).iter().filter(|body| **body != 1).count();
+    assert_eq!(others("person_swap"), 0);
+    assert!((13..=15).contains(&others("another_number")), "{}", others("another_number"));
     // Who withdraws comes half-way and is back at rest in the end.
     let withdrawing = named("withdrawal");
     let stage = Stage::new(&withdrawing).unwrap();
