@@ -58,11 +58,19 @@ fn missed(outcome: &Outcome) -> Vec<String> {
 
 #[test]
 fn every_scenario_holds_its_bounds() {
-    assert!(files().len() >= 11, "{:?}", files());
+    assert!(files().len() >= 12, "{:?}", files());
     let outcomes =
         files().into_iter().map(|file| Outcome::run(&scenario(&file), learnt()).unwrap());
     let missed: Vec<String> = outcomes.flat_map(|outcome| missed(&outcome)).collect();
     assert!(missed.is_empty(), "{}", missed.join("\n"));
+}
+
+#[test]
+fn ticks_of_a_millisecond_are_held_to_what_those_of_a_frame_are() {
+    let nominal = named("nominal");
+    let fast = named("every_millisecond");
+    let (name, about) = (fast.name.clone(), fast.about.clone());
+    assert_eq!(fast, Scenario { name, about, tick_rate: 1000, ..nominal });
 }
 
 /// Stays where it is.
@@ -131,7 +139,8 @@ const LOOKING: [Figure; 8] = [
 ];
 
 /// In these the partner does as in demonstrations, at their pace: what a human does then is right.
-const AS_DEMONSTRATED: [&str; 4] = ["another_number", "nominal", "occlusion", "person_swap"];
+const AS_DEMONSTRATED: [&str; 5] =
+    ["another_number", "every_millisecond", "nominal", "occlusion", "person_swap"];
 
 #[test]
 fn who_stands_or_does_not_look_misses_what_a_scenario_asks_for() {
