@@ -3,7 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "helpers of tests may panic as tests do")]
 
 use handover_mesh::{Role, Side, Skeleton, Span, Stamp, Vector};
-use handover_sim::scene::{Approach, PersonConfig, Scene, SceneConfig, Timing, draw};
+use handover_sim::scene::{Approach, PersonConfig, Scene, SceneConfig, StepIn, Timing, draw};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -159,6 +159,34 @@ fn who_walks_up_starts_farther_off() {
     let feet = |seconds| scene.pose(Role::Second, seconds).positions[11].z;
     let lift = (0..100).map(|k| feet(start + (end - start) * f64::from(k) / 100.0));
     assert!(lift.fold(0.0, f64::max) - feet(end) > 0.03);
+}
+
+#[test]
+fn who_steps_in_comes_nearer_and_goes_back_while_the_hand_stays() {
+    let step_in = StepIn { distance: 0.5, reach: 0.0, duration: 0.8, stay: 1.0 };
+    let timing = Timing { hold: 2.0, ..Timing::default() };
+    let plain = Scene::new(SceneConfig { timing, ..still() }).unwrap();
+    let config = SceneConfig { step_in: Some(step_in), ..plain.config().clone() };
+    let scene = Scene::new(config).unwrap();
+    let [start, arrival] = scene.moments().reach[1];
+    let joint = |scene: &Scene, joint: usize, seconds: f64| {
+        scene.pose(Role::Second, seconds).positions[joint]
+    };
+    // Torso and a foot.
+    for part in [2, 11] {
+        let nearer = |seconds| (joint(&scene, part, seconds) - joint(&plain, part, seconds)).x;
+        assert!(nearer(start).abs() < 1e-9 && nearer(start + 2.6).abs() < 1e-9);
+        assert!([0.8, 1.3, 1.8].iter().all(|late| (nearer(start + late) + 0.5).abs() < 1e-9));
+    }
+    let hands = [&scene, &plain].map(|scene| active_hand(scene, Role::Second, arrival));
+    assert!((hands[0] - hands[1]).norm() < 1e-9);
+    let length = |seconds, [a, b]: [usize; 2]| {
+        (joint(&scene, a, seconds) - joint(&scene, b, seconds)).norm()
+    };
+    for bone in [[0, 1], [1, 2], [3, 4], [4, 5], [9, 10], [10, 11]] {
+        let lengths = (0..40).map(|k| length(f64::from(k) * 0.1, bone) - length(0.0, bone));
+        assert!(lengths.fold(0.0, |a: f64, off| a.max(off.abs())) < 1e-9);
+    }
 }
 
 #[test]

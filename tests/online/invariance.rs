@@ -74,5 +74,6 @@ fn the_rate_of_ticks_makes_little_difference() {
     assert!(off(&medium, &fast, 0.0) < 0.03);
     assert!(off(&medium, &fast, met) < 0.01);
     // NOTE: a jump of what is believed, as at the start here, the gate follows worse at 30 Hz.
-    assert!(off(&slow, &medium, met) < 0.03);
+    assert!(off(&slow, &medium, 0.0) < 0.06);
+    assert!(off(&slow, &medium, met) < 0.01);
 }

@@ -9,6 +9,8 @@ pub struct Message {
     pub stamp: Stamp,
     /// When it arrives.
     pub received: Stamp,
+    /// The sensor's number of whoever it saw.
+    pub body: u32,
     /// What is said to be the partner: `[m]` in the world, NaN where untracked.
     pub positions: Vec<Point>,
     /// Somebody else in the sensor's view, who may be taken for the partner `[m]`.
@@ -46,6 +48,7 @@ mod tests {
         let message = |at: i64| Message {
             stamp: Stamp(at),
             received: Stamp(at + 30),
+            body: 1,
             positions: Vec::new(),
             bystander: Vec::new(),
         };

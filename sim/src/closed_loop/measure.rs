@@ -2,6 +2,7 @@
 
 use handover_mesh::demonstration::Hands;
 use handover_mesh::geometry::yaw_isometry;
+use handover_mesh::safety::HoldReason;
 use handover_mesh::{JointId, Part, Point, Role, Skeleton, Vector};
 
 use super::stage::{PARTNER, ROBOT};
@@ -72,7 +73,9 @@ impl Measured<'_> {
             after,
             self.lag(),
             Some(self.reach()),
+            self.early(),
             Some(held),
+            Some(self.held_apart()),
             speed,
             acceleration,
             self.bone(),
@@ -112,6 +115,19 @@ impl Measured<'_> {
             best.map(|step| 1000.0 * since(step)),
             from_there.find(|step| error(step) <= CAME).map(since),
         ]
+    }
+
+    /// How far the hand gets before the human giver's does anything.
+    fn early(&self) -> Option<f64> {
+        let sets_out = self.stage.giver_sets_out()?;
+        let before = self.steps().filter(|step| step.seconds <= sets_out);
+        Some(largest(before.map(|step| self.reached(step))))
+    }
+
+    /// How long the partner's nearness held the robot `[s]`.
+    fn held_apart(&self) -> f64 {
+        let is_held = |step: &&Step| step.reason == Some(HoldReason::Separation);
+        self.steps().filter(is_held).count() as f64 * self.trace.period
     }
 
     /// How much later than the giver the hand has done most of its way out: undefined if it never

@@ -10,9 +10,6 @@ use super::stage::EPOCH;
 use super::{Controller, Plant, Stage};
 use crate::scenario::Scenario;
 
-/// The sensor's number of the partner: always the same, also of somebody else.
-const BODY: u32 = 1;
-
 /// One tick and what came of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
@@ -51,7 +48,7 @@ pub fn play(scenario: &Scenario, stage: &Stage, controller: &mut impl Controller
         let message = feed.receive(handover_mesh::Stamp(0) + elapsed);
         let sighting = message.map(|message| Sighting {
             stamp: EPOCH + Span(message.stamp.0),
-            body: Some(BODY),
+            body: Some(message.body),
             positions: &message.positions,
             confidences: &[],
         });

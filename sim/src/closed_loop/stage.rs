@@ -19,6 +19,11 @@ pub(super) const PARTNER: Role = Role::Second;
 /// Stamps count from here, as clocks on robots do, not from 0: 2025-06-15.
 pub(super) const EPOCH: Stamp = Stamp(1_750_000_000_000_000_000);
 
+/// The sensor's number of the partner.
+const PARTNERS_NUMBER: u32 = 1;
+/// Its number of somebody else, where it tells them apart.
+const ANOTHERS_NUMBER: u32 = 2;
+
 /// Why a scenario cannot be laid out.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum StageError {
@@ -102,6 +107,7 @@ impl Stage {
         let message = |(partner, other): (&handover_mesh::Frame, &handover_mesh::Frame)| Message {
             stamp: partner.stamp,
             received: partner.stamp + latency,
+            body: PARTNERS_NUMBER,
             positions: partner.positions.to_vec(),
             bystander: other.positions.to_vec(),
         };
@@ -119,6 +125,7 @@ impl Stage {
             [&events.occlusion, &events.silence].map(|event| event.as_ref().and_then(&played));
         let exchange = events.exchange.as_ref().and_then(|exchange| played(&exchange.during));
         let aside = events.exchange.map_or(0.0, |exchange| exchange.aside);
+        let is_told_apart = events.exchange.is_some_and(|exchange| exchange.has_own_number);
         // Across the line between the people.
         let (sine, cosine) = scenario.scene.heading.sin_cos();
         let beside = Vector::new(-sine, cosine, 0.0) * aside;
@@ -131,6 +138,9 @@ impl Stage {
         for message in &mut self.messages {
             if within(exchange, message) {
                 message.positions = message.bystander.iter().map(|p| p + beside).collect();
+                if is_told_apart {
+                    message.body = ANOTHERS_NUMBER;
+                }
             }
             if within(occlusion, message) {
                 message.positions[hand.index()] = Point::from(Vector::repeat(f64::NAN));
@@ -169,6 +179,11 @@ impl Stage {
     /// When both people's hands have arrived, if they do `[s]`.
     pub fn contact(&self) -> Option<f64> {
         self.contact
+    }
+
+    /// When the human giver's hand sets out, if it does `[s]`.
+    pub fn giver_sets_out(&self) -> Option<f64> {
+        self.warp.when(self.scene.moments().reach[ROBOT as usize][0])
     }
 
     /// Between which instants something goes wrong at the sensor, if anything does `[s]`.

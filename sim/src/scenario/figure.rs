@@ -21,8 +21,12 @@ pub enum Figure {
     /// Which share of the way from rest to the place of the giver's hand at the planned contact the
     /// hand does: 1 there, 0 if it gets no nearer.
     Reach,
+    /// How far the hand gets from where it was before the scene's giver sets out.
+    Early,
     /// Ticks without a target or with a reason to hold, as a share of all.
     Held,
+    /// For how long the reason to hold is that the partner is, or would be, too near.
+    HeldApart,
     /// Fastest target of any joint.
     Speed,
     /// Largest acceleration of any joint's target.
@@ -47,14 +51,16 @@ pub enum Figure {
 
 impl Figure {
     /// All of them, in the order tables show them.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 18] = [
         Self::Gap,
         Self::GapAtContact,
         Self::Timing,
         Self::ContactAfter,
         Self::Lag,
         Self::Reach,
+        Self::Early,
         Self::Held,
+        Self::HeldApart,
         Self::Speed,
         Self::Acceleration,
         Self::Bone,
@@ -75,7 +81,9 @@ impl Figure {
             Self::ContactAfter => "contact_after_s",
             Self::Lag => "lag_ms",
             Self::Reach => "reach_share",
+            Self::Early => "early_m",
             Self::Held => "held_share",
+            Self::HeldApart => "held_apart_s",
             Self::Speed => "speed_m_s",
             Self::Acceleration => "acceleration_m_s2",
             Self::Bone => "bone_mm",

@@ -112,13 +112,15 @@ pub struct Interval {
     pub seconds: f64,
 }
 
-/// Somebody else under the partner's number.
+/// Somebody else, reported as the partner.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exchange {
     /// When.
     pub during: Interval,
     /// How far beside the giver that person stands `[m]`, across the line between the two people.
     pub aside: f64,
+    /// Whether the sensor tells them apart: a number of their own, else the partner's.
+    pub has_own_number: bool,
 }
 
 /// Why a text is no scenario.

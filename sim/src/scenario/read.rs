@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::fields::Fields;
 use super::{Bounds, Change, Events, Exchange, Interval, Robot, Scenario, ScenarioError};
-use crate::scene::{PersonConfig, SceneConfig, draw};
+use crate::scene::{PersonConfig, SceneConfig, StepIn, draw};
 use crate::sensor::SensorConfig;
 
 const SIDES: [(&str, Side); 2] = [("left", Side::Left), ("right", Side::Right)];
@@ -89,6 +89,14 @@ fn scene(fields: &mut Fields, seed: Option<u64>) -> SceneConfig {
     for (key, target) in durations {
         fields.number(&format!("scene.timing.{key}"), target);
     }
+    if fields.has("scene.step_in") {
+        let mut step_in = StepIn { distance: 0.4, reach: 0.0, duration: 0.8, stay: 1.0 };
+        fields.number("scene.step_in.distance", &mut step_in.distance);
+        fields.number("scene.step_in.reach", &mut step_in.reach);
+        fields.number("scene.step_in.duration", &mut step_in.duration);
+        fields.number("scene.step_in.stay", &mut step_in.stay);
+        scene.step_in = Some(step_in);
+    }
     fields.number("scene.heading", &mut scene.heading);
     fields.blame_all("scene.", scene.check());
     scene
@@ -156,7 +164,10 @@ fn events(fields: &mut Fields) -> Events {
     let exchange = during(fields, "events.exchange").map(|during| {
         let mut aside = 1.0;
         fields.float("events.exchange.aside_m", &mut aside, -5.0, 5.0);
-        Exchange { during, aside }
+        let mut has_own_number = false;
+        let numbers = [("same", false), ("other", true)];
+        fields.choice("events.exchange.number", &mut has_own_number, &numbers);
+        Exchange { during, aside, has_own_number }
     });
     let silence = during(fields, "events.silence");
     Events { partner, occlusion, exchange, silence }

@@ -68,6 +68,20 @@ pub struct Approach {
     pub duration: f64,
 }
 
+/// The receiver steps towards the giver and back again: hips, trunk and feet move by minimum-jerk
+/// steps, while the active hand goes where it is to go.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepIn {
+    /// How far, `[m]`, 0.05 to 0.8.
+    pub distance: f64,
+    /// At which part of the receiver's reach it begins, `[-]`, −2 to 4.
+    pub reach: f64,
+    /// How long it takes, there and back each, `[s]` whatever the tempo, 0.2 to 5.
+    pub duration: f64,
+    /// How long they stay between the two, `[s]` whatever the tempo, 0 to 100.
+    pub stay: f64,
+}
+
 /// The parameters of one handover. [`Scene::new`](super::Scene::new) checks them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneConfig {
@@ -87,6 +101,8 @@ pub struct SceneConfig {
     pub timing: Timing,
     /// Who walks up first, if anyone.
     pub approach: Option<Approach>,
+    /// The receiver's step towards the giver, if there is one.
+    pub step_in: Option<StepIn>,
     /// The middle between the people, `[m]` on the floor of `world`, each −10 to 10.
     pub centre: [f64; 2],
     /// From world x to the line from giver to receiver, `[rad]` about z, −π to π.
@@ -179,6 +195,7 @@ impl Default for SceneConfig {
             meeting_shift: Vector::zeros(),
             timing: Timing::default(),
             approach: None,
+            step_in: None,
             centre: [0.0, 0.0],
             heading: 0.0,
         }
@@ -204,6 +221,12 @@ impl SceneConfig {
         if let Some(approach) = &self.approach {
             check.range("approach.distance", approach.distance, 0.1..=1.5, "m");
             check.range("approach.duration", approach.duration, 0.5..=5.0, "s");
+        }
+        if let Some(step_in) = &self.step_in {
+            check.range("step_in.distance", step_in.distance, 0.05..=0.8, "m");
+            check.range("step_in.reach", step_in.reach, -2.0..=4.0, "");
+            check.range("step_in.duration", step_in.duration, 0.2..=5.0, "s");
+            check.range("step_in.stay", step_in.stay, 0.0..=100.0, "s");
         }
         for (axis, value) in ["x", "y"].iter().zip(self.centre) {
             check.range(format!("centre.{axis}"), value, -10.0..=10.0, "m");

@@ -50,6 +50,7 @@ pub fn draw(random: &mut impl Rng) -> SceneConfig {
         meeting_shift: Vector::from(shift),
         timing: timing(random),
         approach,
+        step_in: None,
         centre: [normal(random, 0.0, 0.1, 0.3), random.random_range(2.2..2.8)],
         heading: normal(random, 0.0, 0.12, 0.4),
     };

@@ -16,7 +16,7 @@ mod motion;
 mod people;
 mod play;
 
-pub use config::{Approach, PersonConfig, SceneConfig, Timing};
+pub use config::{Approach, PersonConfig, SceneConfig, StepIn, Timing};
 pub use draw::draw;
 pub use moments::Moments;
 pub use play::{Pose, RecordError, Scene, Take};

@@ -70,7 +70,8 @@ impl Scene {
         });
         // Longer steps need lower hips: 5 % of a leg frees its foot by 0.3 of it.
         let height = body.hip_height() * (1.0 - 0.05 * speed);
-        let hips = Vector::new(behind, 0.0, height) + sway;
+        let ahead = seconds.map_or(0.0, |seconds| self.step_in(role, seconds));
+        let hips = Vector::new(behind + ahead, 0.0, height) + sway;
         Stance {
             pair_from_hips: self.stand(role) * yaw_isometry(tilt * wave(0.19, 2.2), hips),
             lean: person.lean * progress + tilt * wave(0.27, 3.3),
@@ -87,6 +88,19 @@ impl Scene {
                 (approach.distance, ((seconds - start) / (end - start)).clamp(0.0, 1.0))
             }
             _ => (0.0, 1.0),
+        }
+    }
+
+    /// How far ahead of their stand this person has stepped `[m]`.
+    fn step_in(&self, role: Role, seconds: f64) -> f64 {
+        match &self.config.step_in {
+            Some(step_in) if role == Role::Second => {
+                let [start, end] = self.moments.reach[role as usize];
+                let start = start + step_in.reach * (end - start);
+                let part = |start: f64| step(seconds, start, start + step_in.duration);
+                step_in.distance * (part(start) - part(start + step_in.duration + step_in.stay))
+            }
+            _ => 0.0,
         }
     }
 
@@ -124,7 +138,8 @@ impl Scene {
         let swivel = person.swivel + 2.0 * person.swing * idle_wave(seconds, 0.17, person.phase);
         let arms = Side::BOTH.map(|side| trunk.arm(body, side, goals[side as usize], swivel));
         let legs = Side::BOTH.map(|side| {
-            let target = self.stand(role) * ankle(body, side, distance, part);
+            let ahead = Vector::x() * self.step_in(role, seconds);
+            let target = self.stand(role) * (ankle(body, side, distance, part) + ahead);
             trunk.leg(body, &stance, side, target)
         });
         let active = arms[person.hand as usize];
