@@ -32,6 +32,10 @@ pub struct TrackSettings {
     pub restart: f64,
     /// How likely the interaction begins anew, per frame `[-]`, 0 to 0.5.
     pub leap: f64,
+    /// How far from the likeliest moment of a demonstration others count for where in it the
+    /// interaction is `[s]`, 0 to 60: who stands still may do so before or after they reach, but
+    /// hardly in the middle.
+    pub stretch: f64,
     /// How long ago still counts for which demonstrations are followed `[s]`, > 0.
     pub memory: f64,
     /// How long ago still counts for how fast time goes `[s]`, > 0.
@@ -57,6 +61,7 @@ impl Default for TrackSettings {
             hurry: 0.25,
             restart: 0.3,
             leap: 1e-3,
+            stretch: 0.8,
             memory: 1.0,
             pace_memory: 0.5,
             strangeness: 3.0,
@@ -66,7 +71,7 @@ impl Default for TrackSettings {
 
 impl TrackSettings {
     /// All settings with their bounds.
-    pub fn settings(&mut self) -> [Setting<'_>; 15] {
+    pub fn settings(&mut self) -> [Setting<'_>; 16] {
         [
             real("track.rate", &mut self.rate, 5.0, 120.0),
             count("track.demonstrations", &mut self.demonstrations, 1, 1000),
@@ -80,6 +85,7 @@ impl TrackSettings {
             real("track.hurry", &mut self.hurry, 0.0, 0.45),
             real("track.restart", &mut self.restart, 0.01, 600.0),
             real("track.leap", &mut self.leap, 0.0, 0.5),
+            real("track.stretch", &mut self.stretch, 0.0, 60.0),
             real("track.memory", &mut self.memory, 0.001, 60.0),
             real("track.pace_memory", &mut self.pace_memory, 0.001, 60.0),
             real("track.strangeness", &mut self.strangeness, 0.01, 1000.0),

@@ -247,8 +247,8 @@ impl Tracker {
                 }
             }
         }
-        let (mut total, mut frames, mut distances) = (0.0, 0.0, 0.0);
-        for (frame, row) in rows.clone().enumerate() {
+        let (mut total, mut distances) = (0.0, 0.0);
+        for row in rows.clone() {
             let mut sum = 0.0;
             for rate in 0..RATES.len() {
                 let arrived = self.arrived[row][rate];
@@ -261,10 +261,12 @@ impl Tracker {
             }
             self.chances[row] = sum;
             total += sum;
-            frames += sum * frame as f64;
         }
-        self.chances[rows].iter_mut().for_each(|chance| *chance /= total);
-        Seen { frame: frames / total, distance: distances / total, nearest: nearest.sqrt() }
+        let chances = &mut self.chances[rows];
+        chances.iter_mut().for_each(|chance| *chance /= total);
+        let around = (library.settings().stretch / library.step().seconds()).round() as usize;
+        let frame = likeliest(chances, around);
+        Seen { frame, distance: distances / total, nearest: nearest.sqrt() }
     }
 
     /// Which demonstrations are followed, and what they say together.
@@ -323,6 +325,27 @@ impl Tracker {
         belief.is_familiar =
             belief.distance <= library.familiar() && belief.turned <= library.turned();
     }
+}
+
+/// The mean frame of the likeliest stretch of time, of `around` frames before and after its middle.
+fn likeliest(chances: &[f64], around: usize) -> f64 {
+    let ahead = &chances[around.min(chances.len())..];
+    let (mut sum, mut best) = (chances.iter().take(around).sum::<f64>(), (f64::NEG_INFINITY, 0));
+    for middle in 0..chances.len() {
+        sum += ahead.get(middle).copied().unwrap_or(0.0);
+        if let Some(left) = middle.checked_sub(around + 1) {
+            sum -= chances[left];
+        }
+        if sum > best.0 {
+            best = (sum, middle);
+        }
+    }
+    let first = best.1.saturating_sub(around);
+    let stretch = chances.iter().enumerate().skip(first).take(best.1 + around + 1 - first);
+    let (total, frames) = stretch.fold((0.0, 0.0), |(total, frames), (frame, chance)| {
+        (total + chance, frames + chance * frame as f64)
+    });
+    frames / total
 }
 
 /// How likely a frame of the grid takes a demonstration on at each of [`RATES`].
