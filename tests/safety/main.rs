@@ -4,6 +4,7 @@
 
 mod checks;
 mod hostile;
+mod jerk;
 mod motions;
 mod promises;
 mod real_time;
