@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
 mod checks;
+mod clock;
 mod hostile;
 mod jerk;
 mod motions;

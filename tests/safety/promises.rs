@@ -96,8 +96,9 @@ fn what_makes_no_sense_holds() {
     assert_eq!(reason(&good, Some(&partner(2.0, 0.0)), 0.3), None);
 
     assert!(!gate.start(&good, seconds(1.0)), "has started");
+    gate.admit(Proposal::Hold(HoldReason::Stale), None, seconds(2.0)).unwrap();
     gate.reset();
-    assert!(gate.admit(Proposal::Hold(HoldReason::Stale), None, seconds(2.0)).is_none());
+    assert!(gate.admit(Proposal::Hold(HoldReason::Stale), None, seconds(3.0)).is_none());
     for (joint, place) in [(3, Point::new(f64::NAN, 0.0, 0.0)), (0, good[1])] {
         let mut bad = good.clone();
         bad[joint] = place;
