@@ -8,12 +8,13 @@
 //! `a h²/8` of the chord, and a distance between two samples is at least their mean less half the way
 //! that fits between them.
 //!
-//! A piece is cut into [`MOST`] intervals at most, each time: what would need finer ones is refused,
-//! and in longer intervals more room is left.
+//! The work is bounded whatever the settings: a piece is cut into [`MOST`] intervals at most, each
+//! time. Where a slow stop makes them long, they need more room between joint and bound, and what
+//! would need finer ones is refused. So a tick takes fewer than 8,000 samples of all joints: 81 a
+//! piece, 7 pieces in each of 10 plans towards a proposal, 3 in each of 8 stops.
 //!
 //! What is violated already may not get worse: the bound is then what holds now.
 
-use super::HoldReason;
 use super::bounds::Peaks;
 use super::brake::Shape;
 use super::chain::Chain;
@@ -22,6 +23,7 @@ use super::jet::{Jet, normalised, squared};
 use super::partner::{PARTS, PartnerBody};
 use super::plan::{Moment, Plan};
 use super::settings::SafetySettings;
+use super::{HoldReason, Target};
 use crate::geometry::{Point, Vector};
 
 /// The share of a limit that a sample may take.
@@ -122,12 +124,12 @@ impl Certifier {
         near.map(|near| near.distance).fold(f64::INFINITY, f64::min)
     }
 
-    /// Least distance to the partner at some moments of a plan from a time `[s]` on `[m]`.
+    /// Least distance to the partner at [`Target::MOMENTS`] moments of a plan `[m]`, from a time `[s]`
+    /// to its standstill.
     pub(super) fn distance_on(&mut self, chain: &Chain, plan: &Plan, from: f64) -> f64 {
-        const MOMENTS: u32 = 12;
         let mut least = f64::INFINITY;
-        for k in 0..=MOMENTS {
-            let part = f64::from(k) / f64::from(MOMENTS);
+        for k in 0..Target::MOMENTS {
+            let part = f64::from(k) / f64::from(Target::MOMENTS - 1);
             let time = from + (plan.duration() - from).max(0.0) * part;
             let moment = plan.moment(time);
             chain.lay(|at| plan.coordinate(moment, at), &mut self.after);
@@ -410,7 +412,15 @@ fn stays_above(before: [f64; 4], after: [f64; 4], step: f64, slack: f64, least: 
 
 #[cfg(test)]
 mod tests {
-    use super::stays_above;
+    use super::{MOST, intervals, stays_above};
+
+    #[test]
+    fn no_duration_needs_more_intervals_than_there_are() {
+        assert_eq!(intervals(0.05, 0.0125), 4);
+        for long in [1.3, 100.0, 1e300, f64::INFINITY] {
+            assert_eq!(intervals(long, 0.03), MOST);
+        }
+    }
 
     #[test]
     fn a_value_stays_above_between_samples() {

@@ -11,7 +11,8 @@ use crate::time::{Span, Stamp};
 /// Where the robot is to be now, and from now on if nothing more is said.
 ///
 /// Made by [`super::SafetyGate::admit`] alone. All of it is certified: speed, acceleration and jerk
-/// of each joint, the workspace, and the distance to the partner as given at [`Self::planned`].
+/// of each joint, the workspace, and, if it [`Self::keeps_separation`], the distance to the partner as given at
+/// [`Self::planned`].
 #[derive(Debug, Clone)]
 pub struct Target {
     pub(super) chain: Arc<Chain>,
@@ -26,6 +27,10 @@ pub struct Target {
 }
 
 impl Target {
+    /// At how many moments two stops are compared that both come too near: see
+    /// [`Self::keeps_separation`].
+    pub const MOMENTS: u32 = 13;
+
     /// When the robot is to be at [`Self::positions`].
     pub fn stamp(&self) -> Stamp {
         self.stamp
@@ -71,9 +76,13 @@ impl Target {
     }
 
     /// Whether the plan now followed was certified to keep its distance to the partner: nowhere
-    /// nearer than `separation`, or than they were when it was planned. Not so for a stop that was
-    /// taken because the partner had come into the way of an older plan: it is only nowhere nearer
-    /// than that plan would have been.
+    /// nearer than `separation`, or than they were when it was planned.
+    ///
+    /// Not so for a stop that was taken because the partner had come into the way of an older plan,
+    /// and no stop keeps clear of them. Of such a stop only this is known: at none of
+    /// [`Self::MOMENTS`] moments, spread evenly from its start to its standstill, is it nearer to the
+    /// partner as given then than the older plan would have been at the nearest of as many moments,
+    /// spread evenly over what was left of it. Between those moments nothing is compared.
     pub fn keeps_separation(&self) -> bool {
         self.keeps_separation
     }
