@@ -139,5 +139,5 @@ fn slow_stops_are_planned_too() {
     let target = gate.admit(hold, Some(&person), seconds(now)).unwrap();
     let stands_in = target.stands_in().seconds();
     println!("stands in {stands_in} s from {}", target.velocities()[2].x);
-    assert!((4.0..12.0).contains(&stands_in), "{stands_in} s");
+    assert!((8.0..60.0).contains(&stands_in), "{stands_in} s");
 }
