@@ -74,8 +74,7 @@ impl Peaks {
         let s2 = self.radial[1] + chord * s4;
         let s1 = self.radial[0] + chord * s3;
         let s0 = self.least - chord * s2;
-        // What is not a number is too near as well.
-        if !(s0 >= LEAST_SQUARE) {
+        if s0.is_nan() || s0 < LEAST_SQUARE {
             return None;
         }
         // ρ ρ′ = s′/2, and its derivatives.

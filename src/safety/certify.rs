@@ -305,8 +305,7 @@ impl Certifier {
         for joint in &self.after {
             for order in 0..3 {
                 let square = joint[order + 1].norm_squared();
-                // What is not a number is not within.
-                if !(square <= most[order]) {
+                if square.is_nan() || square > most[order] {
                     return Err(HoldReason::Limits);
                 }
                 peaks[order] = peaks[order].max(square);
