@@ -120,7 +120,7 @@ impl Pipeline {
     }
 
     /// Forgets partner, robot and cancellation: what comes next is a new interaction, and the robot
-    /// has to say again where it is.
+    /// has to say again where it is. One that still moves brakes first, and says so afterwards.
     pub fn reset(&mut self) {
         self.filter.reset();
         self.perception.reset();

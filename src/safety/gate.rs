@@ -34,6 +34,9 @@ pub enum Proposal<'a> {
 /// Limits at the start of a gentle resumption, as a share of the full ones.
 const GENTLE: f64 = 0.3;
 
+/// Stamps of two ticks farther apart than this say that the clock was set: 60 s.
+const LONGEST_STEP: Span = Span(60_000_000_000);
+
 /// Lets only such motion through as breaks no limit.
 ///
 /// ```
@@ -61,8 +64,14 @@ pub struct SafetyGate {
     /// What the robot follows, and what was said last.
     target: Target,
     started: bool,
+    /// Was reset while it moved: it stops, and then waits for a start.
+    leaving: bool,
     /// When a tick was last taken.
     ticked: Option<Stamp>,
+    /// What passed between the last two ticks whose stamps can be trusted, at most `lead`.
+    period: Span,
+    /// The clock was set while it moved: it stops, and then goes on.
+    clock_set: bool,
     /// The partner that the plan was certified against.
     partner: PartnerBody,
     /// Since when limits rise again; none: they will at the next move.
@@ -98,7 +107,7 @@ impl SafetyGate {
         let target = Target {
             chain: chain.clone(),
             plan: plan.clone(),
-            planned: Stamp(0),
+            elapsed: Span(0),
             keeps_separation: true,
             stamp: Stamp(0),
             positions: vec![Point::origin(); joints],
@@ -111,7 +120,10 @@ impl SafetyGate {
             chain,
             target,
             started: false,
+            leaving: false,
             ticked: None,
+            period: Span(0),
+            clock_set: false,
             partner: PartnerBody::default(),
             resumed: None,
             trial: plan,
@@ -127,7 +139,7 @@ impl SafetyGate {
     /// - `pose`: `[m]` in the world, skeleton order.
     ///
     /// Returns whether it did: not if a place is not finite or missing, a bone has no length, or the
-    /// gate has started already ([`Self::reset`] it first).
+    /// gate has started already ([`Self::reset`] it first, and let it come to a stand).
     pub fn start(&mut self, pose: &[Point], now: Stamp) -> bool {
         if self.started || pose.len() != self.chain.joints() || !pose.iter().all(is_place) {
             return false;
@@ -142,32 +154,40 @@ impl SafetyGate {
             *state = [*coordinate, Vector::zeros(), Vector::zeros()];
         }
         self.target.plan.brake_from(&self.state, 0.0);
-        self.target.planned = now;
+        self.target.elapsed = Span(0);
         self.target.keeps_separation = true;
         self.target.reason = None;
-        (self.ticked, self.resumed) = (None, None);
+        (self.ticked, self.resumed, self.period) = (None, None, Span(0));
+        (self.leaving, self.clock_set) = (false, false);
         self.partner = PartnerBody::default();
         self.started = true;
         self.evaluate(now);
         true
     }
 
-    /// Whether the robot has said where it is.
+    /// Whether the robot has said where it is, or has not come to a stand since it was reset.
     pub fn is_started(&self) -> bool {
         self.started
     }
 
     /// Forgets where the robot is: it has to [`Self::start`] again, standing.
+    ///
+    /// A motion is not cut off: while the last target still moves the gate stays started, each tick
+    /// brakes, whatever is proposed ([`HoldReason::NoRobot`]), and a start is refused. The first
+    /// target that stands is the last one; from then on there is none before the next start.
     pub fn reset(&mut self) {
-        self.started = false;
+        self.leaving = self.started && self.target.is_moving();
+        self.started = self.leaving;
     }
 
     /// Where the robot is to be now, and from now on; none before [`Self::start`].
     ///
     /// - `partner`: as last seen; without one, or without some of it, no distance is kept to what is
     ///   not known. A partner at no finite place brakes the robot ([`HoldReason::Lost`]).
-    /// - `now`: later than at the last call, else the last target comes again
-    ///   ([`HoldReason::Clock`]).
+    /// - `now`: later than at the last call, by 60 s at most. At the same `now` the last target comes
+    ///   again. A clock that went back, or on by more, was set: the robot brakes and stands before it
+    ///   follows anything again, and until the stamps go on properly as much time is taken to pass
+    ///   from one to the next as did last (at most `lead`). Both are [`HoldReason::Clock`].
     ///
     /// The target says why the robot is not moving as proposed. While the partner is nearer than
     /// `separation`, that is [`HoldReason::Separation`], and only such motion passes as brings no
@@ -183,18 +203,30 @@ impl SafetyGate {
         if !self.started {
             return None;
         }
-        if self.ticked.is_some_and(|last| now <= last) || now < self.target.planned {
+        if self.ticked == Some(now) {
             self.target.reason = Some(HoldReason::Clock);
             return Some(&self.target);
         }
-        self.ticked = Some(now);
+        let passed = self.passed(now);
+        self.clock_set |= passed.is_none();
+        self.target.elapsed = self.target.after(passed.unwrap_or(self.period));
         self.evaluate(now);
-        let mut partner = partner.copied().unwrap_or_default();
+        self.clock_set &= passed.is_none() || self.target.is_moving();
+        // Whoever resets may forget the partner as well: they are taken to be where they were.
+        let forgotten = if self.leaving { self.partner } else { PartnerBody::default() };
+        let mut partner = partner.copied().unwrap_or(forgotten);
         let mut proposal = proposal;
+        if self.leaving {
+            proposal = Proposal::Hold(HoldReason::NoRobot);
+        } else if self.clock_set {
+            proposal = Proposal::Hold(HoldReason::Clock);
+        }
         if !partner.is_somewhere() {
             // Where they were when last planned is the best that is known.
             partner = self.partner;
-            proposal = Proposal::Hold(HoldReason::Lost);
+            if !(self.leaving || self.clock_set) {
+                proposal = Proposal::Hold(HoldReason::Lost);
+            }
         }
         self.certifier.observe(&self.chain, &self.target.positions, &partner);
         let reason = match proposal {
@@ -228,13 +260,31 @@ impl SafetyGate {
             }
         };
         self.target.reason = reason;
+        if self.leaving && !self.target.is_moving() {
+            (self.started, self.leaving) = (false, false);
+        }
         Some(&self.target)
+    }
+
+    /// How much time has passed since the last tick; none if the clock was set meanwhile.
+    fn passed(&mut self, now: Stamp) -> Option<Span> {
+        // It has stood since the start.
+        let Some(last) = self.ticked.replace(now) else { return Some(Span(0)) };
+        let step = now - last;
+        if step > Span(0) && step <= LONGEST_STEP {
+            let longest = Span::from_seconds(self.settings.lead).unwrap_or_default();
+            self.period = step.min(longest);
+            return Some(step);
+        }
+        // A stamp by the clock as it was means nothing any more.
+        self.resumed = None;
+        None
     }
 
     /// Takes place and motion now from the plan that is followed.
     fn evaluate(&mut self, now: Stamp) {
         self.target.stamp = now;
-        let moment = self.target.plan.moment(self.target.elapsed());
+        let moment = self.target.plan.moment(self.target.elapsed.seconds());
         for at in 0..self.state.len() {
             let [place, velocity, acceleration, _] = self.target.plan.coordinate(moment, at);
             self.state[at] = [place, velocity, acceleration];
@@ -319,7 +369,7 @@ impl SafetyGate {
 
     /// Brakes, as quickly as is certified; else what is followed goes on, into its standstill.
     fn hold(&mut self, partner: &PartnerBody) {
-        let elapsed = self.target.elapsed();
+        let elapsed = self.target.elapsed.seconds();
         let left = self.target.plan.duration() - elapsed;
         let moved = *partner != self.partner;
         let going = elapsed < self.target.plan.lead;
@@ -358,7 +408,7 @@ impl SafetyGate {
     /// Follows the trial from now on.
     fn commit(&mut self, partner: &PartnerBody) -> Result<(), HoldReason> {
         std::mem::swap(&mut self.target.plan, &mut self.trial);
-        self.target.planned = self.target.stamp;
+        self.target.elapsed = Span(0);
         self.target.keeps_separation = true;
         self.partner = *partner;
         Ok(())

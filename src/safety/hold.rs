@@ -5,7 +5,7 @@ use std::fmt;
 /// Why the robot brakes or stands. Most reasons are the caller's; the gate adds its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum HoldReason {
-    /// Where the robot is has not been said.
+    /// Where the robot is has not been said, or not again since a reset.
     NoRobot,
     /// Nobody has been seen.
     NoPartner,
@@ -31,7 +31,7 @@ pub enum HoldReason {
     Workspace,
     /// No way towards the proposal is within speed, acceleration and jerk.
     Limits,
-    /// Time did not go on since the last tick.
+    /// Time did not go on since the last tick, or the clock was set.
     Clock,
 }
 

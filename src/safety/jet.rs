@@ -8,13 +8,22 @@ use crate::geometry::Vector;
 /// A vector and its first, second and third derivative by time.
 pub(super) type Jet = [Vector; 4];
 
-/// `y / |y|` with its derivatives. Not finite where `y` is zero.
-pub(super) fn normalised(y: &Jet) -> Jet {
+/// `y · y` with its derivatives.
+pub(super) fn squared(y: &Jet) -> [f64; 4] {
     let [y0, y1, y2, y3] = y;
-    let s0 = y0.dot(y0);
-    let s1 = 2.0 * y0.dot(y1);
-    let s2 = 2.0 * (y0.dot(y2) + y1.dot(y1));
-    let s3 = 2.0 * (y0.dot(y3) + 3.0 * y1.dot(y2));
+    [
+        y0.dot(y0),
+        2.0 * y0.dot(y1),
+        2.0 * (y0.dot(y2) + y1.dot(y1)),
+        2.0 * (y0.dot(y3) + 3.0 * y1.dot(y2)),
+    ]
+}
+
+/// `y / |y|` with its derivatives. Not finite where `y` is zero.
+///
+/// - `square`: of `y`, as of [`squared`].
+pub(super) fn normalised(y: &Jet, square: &[f64; 4]) -> Jet {
+    let ([y0, y1, y2, y3], [s0, s1, s2, s3]) = (y, square);
     let half = -0.5 / s0;
     let w0 = 1.0 / s0.sqrt();
     let w1 = half * s1 * w0;
@@ -71,7 +80,8 @@ mod tests {
     #[test]
     fn jets_are_those_of_finite_differences() {
         let curve = [0.3, 1.1, 2.7, 0.9, 4.2, 5.5].map(vector);
-        let jet = |t: f64| normalised(&polynomial(&curve, t));
+        let raw = |t: f64| polynomial(&curve, t);
+        let jet = |t: f64| normalised(&raw(t), &squared(&raw(t)));
         let h = 1e-5;
         for t in [0.0, 0.1, 0.33] {
             assert!((jet(t)[0].norm() - 1.0).abs() < 1e-15);

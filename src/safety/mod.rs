@@ -20,6 +20,7 @@
 //! ```
 
 mod aim;
+mod bounds;
 mod brake;
 mod certify;
 mod chain;

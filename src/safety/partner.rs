@@ -16,12 +16,13 @@ pub struct PartnerBody {
 /// More parts than the partner has.
 pub(super) const PARTS: usize = 2;
 
-/// Places farther out than this `[m]` are no places.
-pub(super) const FARTHEST: f64 = 1e4;
+/// Nobody stands farther out than this `[m]`, and no robot is sent there: nearer than what a sensor may
+/// say at all (the filter's own bound), so that rounding of places stays far below limits.
+const FARTHEST_STANDING: f64 = 1e4;
 
-/// Whether a place is one: finite, and within [`FARTHEST`] of the origin in each direction.
+/// Whether a place is one to stand or go to: finite, and within 10 km of the origin in each direction.
 pub(crate) fn is_place(point: &Point) -> bool {
-    is_finite(point) && point.coords.amax() <= FARTHEST
+    is_finite(point) && point.coords.amax() <= FARTHEST_STANDING
 }
 
 impl PartnerBody {

@@ -2,7 +2,7 @@
 
 use super::brake::Shape;
 use super::chain::Chain;
-use super::jet::{Jet, normalised, polynomial};
+use super::jet::{Jet, normalised, polynomial, squared};
 use crate::geometry::{Point, Vector};
 
 /// Where in a plan: the derivatives of a plan's pieces differ where they meet.
@@ -86,10 +86,31 @@ impl Plan {
         }
     }
 
+    /// Bounds of the fourth and fifth derivative of a coordinate before it is normalised, while
+    /// going for `lead` `[s]`.
+    pub(super) fn steepest_go(&self, lead: f64, at: usize) -> [f64; 2] {
+        // Of a quintic: linear, and constant.
+        let [.., c4, c5] = &self.go[at];
+        let (start, slope) = (c4 * 24.0, c5 * 120.0);
+        [start.norm().max((start + slope * lead).norm()), slope.norm()]
+    }
+
+    /// The same in a phase of the stop.
+    pub(super) fn steepest_brake(&self, phase: usize, at: usize) -> [f64; 2] {
+        let bend = self.brake[at][2].norm();
+        // With σ⁗ = 0, y⁗ = u″ (3 σ″² + 4 σ′ σ‴) and y⁗′ = 10 u″ σ″ σ‴. The former is steepest at
+        // the ends, since the latter keeps its sign: σ″ is never above zero.
+        let ends = [0.0, 1.0].map(|part| {
+            let [_, s1, s2, s3] = self.shape.in_phase(phase, part, self.stop);
+            [(3.0 * s2 * s2 + 4.0 * s1 * s3).abs(), 10.0 * (s2 * s3).abs()]
+        });
+        [0, 1].map(|order| bend * ends[0][order].max(ends[1][order]))
+    }
+
     /// A coordinate: the base's place, or a bone's direction.
     pub(super) fn coordinate(&self, moment: Moment, at: usize) -> Jet {
         let raw = self.raw(moment, at);
-        if at == 0 { raw } else { normalised(&raw) }
+        if at == 0 { raw } else { normalised(&raw, &squared(&raw)) }
     }
 
     /// Places of all joints so long `[s]` after the start.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use handover_mesh::filter::Sighting;
 use handover_mesh::online::{OnlineModel, OnlineSettings, TickInput};
 use handover_mesh::retarget::Transform;
-use handover_mesh::safety::{PartnerBody, SafetySettings};
+use handover_mesh::safety::{HoldReason, PartnerBody, SafetySettings};
 use handover_mesh::{Point, Skeleton, Span, Stamp, Vector};
 use rand::{Rng as _, SeedableRng as _};
 use rand_chacha::ChaCha8Rng;
@@ -205,7 +205,7 @@ fn no_sighting_breaks_a_promise() {
         let (start, mut newest, mut last) = (now, now, now);
         let period = [1_000_000, 10_000_000, 33_333_333, 100_000_000][random.random_range(0..4)];
         let mut current = if random.random_bool(0.7) { Mood::Proper } else { mood(random) };
-        let mut has_said = false;
+        let (mut has_said, mut moves, mut leaves) = (false, false, false);
         for _ in 0..TICKS_OF_ONE_ROBOT {
             if random.random_bool(0.03) {
                 current = mood(random);
@@ -215,7 +215,13 @@ fn no_sighting_breaks_a_promise() {
             }
             if random.random_bool(0.003) {
                 pipeline.reset();
-                (watched, body, has_said) = (watch(), PartnerBody::default(), false);
+                leaves = moves;
+                // Nobody is where they were, but for a robot that has to stop first.
+                body = if leaves { watched.planned_with() } else { PartnerBody::default() };
+                has_said = leaves;
+                if !leaves {
+                    watched = watch();
+                }
             }
             let time = (now - start).seconds() % 6.0;
             let positions = sighted(current, &handover, time, random);
@@ -241,6 +247,18 @@ fn no_sighting_breaks_a_promise() {
                 watched.check(target, &body, Span(random.random_range(0..800_000_000)));
                 targets += 1;
                 free += u64::from(target.reason().is_none());
+                moves = target.is_moving();
+                if leaves {
+                    assert!(matches!(
+                        target.reason(),
+                        Some(HoldReason::NoRobot | HoldReason::Clock)
+                    ));
+                }
+                if leaves && !moves {
+                    // It has come to a stand: what comes next is of a new start.
+                    (watched, body) = (watch(), PartnerBody::default());
+                    (leaves, has_said) = (false, false);
+                }
             }
             if let Some(solution) = tick.solved {
                 let finite = |place: &Point| place.coords.iter().all(|value| value.is_finite());

@@ -6,8 +6,12 @@ use handover_mesh::{Point, Skeleton, Span, Stamp, Vector};
 /// Places are compared to this `[m]`.
 pub(crate) const ROUNDING: f64 = 1e-9;
 
+/// Stamps farther apart say that the clock was set.
+const LONGEST_STEP: Span = Span(60_000_000_000);
+
 /// What held when a plan was made.
 struct Planned {
+    /// By the time that passed.
     stamp: Stamp,
     /// How long until it stands.
     stands_in: Span,
@@ -20,7 +24,11 @@ pub(crate) struct Watch {
     skeleton: std::sync::Arc<Skeleton>,
     lengths: Vec<f64>,
     settings: SafetySettings,
-    /// Newest last, with distinct stamps.
+    /// The last target.
+    last: Option<Target>,
+    /// What is to be taken as passed where the clock was set.
+    period: Span,
+    /// By the time that passed since the start; newest last, at distinct times.
     past: Vec<(Stamp, Vec<Point>)>,
     /// Where the joints and the partner were when the plan followed now was made.
     planned: Option<Planned>,
@@ -28,6 +36,8 @@ pub(crate) struct Watch {
     pub(crate) used: [f64; 3],
     /// How many plans were made.
     pub(crate) plans: usize,
+    /// How many of them were stops that came too near all the same.
+    pub(crate) near: usize,
 }
 
 impl Watch {
@@ -37,7 +47,37 @@ impl Watch {
         settings: SafetySettings,
     ) -> Self {
         let (past, planned) = (Vec::new(), None);
-        Self { skeleton, lengths, settings, past, planned, used: [0.0; 3], plans: 0 }
+        Self {
+            skeleton,
+            lengths,
+            settings,
+            last: None,
+            period: Span(0),
+            past,
+            planned,
+            used: [0.0; 3],
+            plans: 0,
+            near: 0,
+        }
+    }
+
+    /// The partner that the plan followed now was made with.
+    pub(crate) fn planned_with(&self) -> PartnerBody {
+        self.planned.as_ref().map(|planned| planned.partner).unwrap_or_default()
+    }
+
+    /// The time of a target by what passed since the start, and whether the clock was set.
+    fn time(&mut self, stamp: Stamp) -> (Stamp, bool) {
+        let now = self.past.last().map_or(Stamp(0), |(time, _)| *time);
+        let Some(last) = &self.last else { return (now, false) };
+        let step = stamp - last.stamp();
+        if step == Span(0) || (step > Span(0) && step <= LONGEST_STEP) {
+            if step > Span(0) {
+                self.period = step.min(Span::from_seconds(self.settings.lead).unwrap());
+            }
+            return (now + step, false);
+        }
+        (now + self.period, true)
     }
 
     /// Checks a target that came for `now` with `partner` given.
@@ -48,35 +88,85 @@ impl Watch {
         let positions = target.positions();
         assert!(positions.iter().all(|p| p.coords.iter().all(|c| c.is_finite())));
         self.check_bones(positions);
-        let fresh = self.past.last().is_none_or(|(stamp, _)| *stamp < target.stamp());
+        let (now, clock_set) = self.time(target.stamp());
+        assert!(!clock_set || target.reason().is_some(), "went on by a clock that was set");
+        let fresh = self.past.last().is_none_or(|(time, _)| *time < now);
         if fresh {
-            self.past.push((target.stamp(), positions.to_vec()));
+            self.past.push((now, positions.to_vec()));
             if self.past.len() > 4 {
                 self.past.remove(0);
             }
-            self.check_derivatives();
+            let used = self.check_derivatives(&self.past);
+            (0..3).for_each(|i| self.used[i] = self.used[i].max(used[i]));
         } else {
-            assert_eq!(self.past.last().unwrap().1, positions, "time stands: so does the target");
+            let off =
+                self.past.last().unwrap().1.iter().zip(positions).map(|(a, b)| (a - b).norm());
+            let rounding =
+                if clock_set { 1e-12 * positions[0].coords.amax().max(1.0) } else { 0.0 };
+            assert!(off.fold(0.0, f64::max) <= rounding, "time stands: so does the target");
+            self.past.last_mut().unwrap().1 = positions.to_vec();
         }
         let seen = [partner.head, partner.neck, partner.torso];
         let known = seen.iter().flatten().all(|p| p.coords.iter().all(|c| c.abs() <= 1e4));
-        if fresh && target.planned() == target.stamp() {
+        if fresh && target.followed_for() == Span(0) {
             self.plans += 1;
             // A partner at no place is taken to be where they were.
-            let before = self.planned.take().map(|planned| planned.partner);
-            let partner = if known { *partner } else { before.unwrap_or_default() };
+            let partner = if known { *partner } else { self.planned_with() };
+            if !target.keeps_separation() {
+                self.check_stop(target, &partner, now);
+                self.near += 1;
+            }
             self.planned = Some(Planned {
-                stamp: target.stamp(),
+                stamp: now,
                 stands_in: target.stands_in(),
                 robot: positions.to_vec(),
                 partner,
             });
         }
-        self.check_places(target, target.stamp(), positions);
+        self.check_places(target, now, positions);
         let mut later = positions.to_vec();
         target.positions_at(ahead, &mut later);
         self.check_bones(&later);
-        self.check_places(target, target.stamp() + ahead, &later);
+        self.check_places(target, now + ahead, &later);
+        self.check_plan(target, ahead);
+        self.last = Some(target.clone());
+    }
+
+    /// A stop that comes too near is compared to what was left of the plan it replaced.
+    #[track_caller]
+    fn check_stop(&self, target: &Target, partner: &PartnerBody, now: Stamp) {
+        let last = self.last.as_ref().expect("the first plan is a standstill");
+        let passed = now - self.past[self.past.len().saturating_sub(2)].0;
+        let nearest = |plan: &Target, from: Span, left: f64| {
+            let mut pose = plan.positions().to_vec();
+            let moments = (0..Target::MOMENTS).map(|k| {
+                let part = f64::from(k) / f64::from(Target::MOMENTS - 1);
+                plan.positions_at(Span(from.0 + (left * part * 1e9) as i64), &mut pose);
+                least_distance(&self.skeleton, &pose, partner)
+            });
+            moments.fold(f64::INFINITY, f64::min)
+        };
+        let stop = nearest(target, Span(0), target.stands_in().seconds());
+        let left = (last.stands_in().seconds() - passed.seconds()).max(0.0);
+        let replaced = nearest(last, passed, left);
+        // Moments are rounded to nanoseconds.
+        assert!(stop >= replaced - 1e-7, "{stop} m from the partner, {replaced} m before");
+    }
+
+    /// Some moments close to each other, where no tick may ever come.
+    #[track_caller]
+    fn check_plan(&self, target: &Target, ahead: Span) {
+        const CLOSE: i64 = 400_000;
+        let nodes: Vec<_> = (0..4)
+            .map(|k| {
+                let (mut pose, ahead) = (target.positions().to_vec(), ahead.0 + k * CLOSE);
+                target.positions_at(Span(ahead), &mut pose);
+                (Stamp(ahead), pose)
+            })
+            .collect();
+        for count in 2..=4 {
+            self.check_derivatives(&nodes[..count]);
+        }
     }
 
     #[track_caller]
@@ -90,13 +180,16 @@ impl Watch {
 
     /// Divided differences: `k! f[t₀, …, tₖ]` is a mean of the k-th derivative, so no longer than
     /// the longest there is.
+    ///
+    /// Returns the share of each limit that is used by the newest of `past`.
     #[track_caller]
-    fn check_derivatives(&mut self) {
+    fn check_derivatives(&self, past: &[(Stamp, Vec<Point>)]) -> [f64; 3] {
+        let mut used = [0.0f64; 3];
         let limits = [self.settings.speed, self.settings.acceleration, self.settings.jerk];
         let mut factorial = 1.0;
-        for order in 1..self.past.len().min(4) {
+        for order in 1..past.len().min(4) {
             factorial *= order as f64;
-            let nodes = &self.past[self.past.len() - 1 - order..];
+            let nodes = &past[past.len() - 1 - order..];
             for joint in 0..self.skeleton.len() {
                 let (mut sum, mut rounding) = (Vector::zeros(), 0.0);
                 for (i, (stamp, place)) in nodes.iter().enumerate() {
@@ -115,10 +208,11 @@ impl Watch {
                     "derivative {order} of joint {joint}: {size} > {limit} + {rounding}"
                 );
                 if rounding < 1e-3 * limit {
-                    self.used[order - 1] = self.used[order - 1].max(size / limit);
+                    used[order - 1] = used[order - 1].max(size / limit);
                 }
             }
         }
+        used
     }
 
     /// Workspace and separation: no worse than when it was planned, with the partner as then.

@@ -3,7 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
 mod checks;
+mod clock;
 mod hostile;
+mod jerk;
 mod motions;
 mod promises;
 mod real_time;

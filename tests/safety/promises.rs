@@ -4,7 +4,7 @@ use handover_mesh::safety::{HoldReason, PartnerBody, Proposal, SafetyGate, Safet
 use handover_mesh::{Point, Skeleton, Vector};
 
 use crate::checks::least_distance;
-use crate::scene::{STEP, gate, partner, reaching, right_hand, seconds, standing};
+use crate::scene::{STEP, gate, partner, reaching, right_hand, seconds, standing, window};
 
 fn run(
     gate: &mut SafetyGate,
@@ -96,8 +96,9 @@ fn what_makes_no_sense_holds() {
     assert_eq!(reason(&good, Some(&partner(2.0, 0.0)), 0.3), None);
 
     assert!(!gate.start(&good, seconds(1.0)), "has started");
+    gate.admit(Proposal::Hold(HoldReason::Stale), None, seconds(2.0)).unwrap();
     gate.reset();
-    assert!(gate.admit(Proposal::Hold(HoldReason::Stale), None, seconds(2.0)).is_none());
+    assert!(gate.admit(Proposal::Hold(HoldReason::Stale), None, seconds(3.0)).is_none());
     for (joint, place) in [(3, Point::new(f64::NAN, 0.0, 0.0)), (0, good[1])] {
         let mut bad = good.clone();
         bad[joint] = place;
@@ -106,4 +107,37 @@ fn what_makes_no_sense_holds() {
     assert!(!gate.start(&good[1..], seconds(2.0)));
     assert!(!gate.is_started());
     assert!(gate.start(&good, seconds(-5.0)), "a new start may be at any time");
+}
+
+#[test]
+fn slow_stops_are_planned_too() {
+    // A stop from full speed takes 100 s.
+    let settings = SafetySettings {
+        speed: 10.0,
+        acceleration: 0.1,
+        jerk: 10.0,
+        aim: 1.0,
+        recover: 0.0,
+        ..SafetySettings::default()
+    };
+    let mut gate = gate(settings);
+    let person = partner(100.0, 0.0);
+    // Faster and faster, at 0.04 m/s².
+    let way = |time: f64| Vector::x() * (0.02 * time * time);
+    let pose = |time: f64| standing().into_iter().map(move |p| p + way(time)).collect::<Vec<_>>();
+    let mut now = 0.0;
+    while now < 20.0 {
+        let poses = window(&pose, now);
+        let proposal = Proposal::Move { poses: &poses, step: STEP };
+        let target = gate.admit(proposal, Some(&person), seconds(now)).unwrap();
+        assert!(matches!(target.reason(), None | Some(HoldReason::Limits)), "{now} s");
+        let off = target.positions()[2] - pose(now)[2];
+        assert!(off.norm() < 1.0, "{now} s: {off}");
+        now += 1.0 / 30.0;
+    }
+    let hold = Proposal::Hold(HoldReason::Stale);
+    let target = gate.admit(hold, Some(&person), seconds(now)).unwrap();
+    let stands_in = target.stands_in().seconds();
+    println!("stands in {stands_in} s from {}", target.velocities()[2].x);
+    assert!((8.0..60.0).contains(&stands_in), "{stands_in} s");
 }
