@@ -39,6 +39,9 @@ struct State {
     turn: [f64; 2],
 }
 
+/// Before anything is seen.
+const UNKNOWN: State = State { cost: 0.0, frame: 0.0, tempo: 1.0, turn: [0.0; 2] };
+
 impl State {
     /// How the demonstration is turned to lie on the interaction; not at all where nothing tells.
     fn turn(&self) -> UnitComplex<f64> {
@@ -86,7 +89,7 @@ impl Tracker {
             restarts: starts(library, library.settings().restart),
             arrived: vec![[0.0; RATES.len()]; rows],
             distances: vec![[0.0; RATES.len()]; rows],
-            states: vec![State { cost: 0.0, frame: 0.0, tempo: 1.0, turn: [0.0; 2] }; count],
+            states: vec![UNKNOWN; count],
             order: (0..count).collect(),
             features: vec![0.0; library.feature_count()],
             point: vec![0.0; library.points()[0].width()],
@@ -118,7 +121,7 @@ impl Tracker {
         self.belief.turned = 0.0;
         self.belief.is_familiar = false;
         self.belief.tempo = 1.0;
-        self.states.iter_mut().for_each(|state| state.tempo = 1.0);
+        self.states.fill(UNKNOWN);
     }
 
     /// What is believed; of nobody, before the first look.

@@ -1,12 +1,12 @@
 //! Before the robot has said where it is, cancelled, reset.
 
 use handover_mesh::filter::Sighting;
-use handover_mesh::online::TickInput;
+use handover_mesh::online::{Pipeline, TickInput};
 use handover_mesh::safety::HoldReason;
 use handover_mesh::{Point, Stamp};
 
-use crate::handovers::{FRAME, Handover, pipeline};
-use crate::runs::{HAND, HELD_OUT, usual};
+use crate::handovers::{DURATION, FRAME, Handover, pipeline};
+use crate::runs::{HAND, HELD_OUT, run, usual};
 
 #[test]
 fn without_a_robot_there_is_no_target() {
@@ -79,4 +79,40 @@ fn cancelled_holds_until_reset() {
             assert!(tick.reason.is_none() && moved.norm() > 0.1, "{:?}, {moved}", tick.reason);
         }
     }
+}
+
+/// One pipeline that had another handover before, and a reset once it stood, says to the bit what a
+/// new one does.
+#[test]
+fn after_a_reset_it_is_as_new() {
+    let [before, after] = [Handover::new(HELD_OUT), Handover::new(HELD_OUT + 1)];
+    let targets = |pipeline: &mut Pipeline| {
+        let robot = after.giver(0.0);
+        let said = run(pipeline, |now| Some(after.receiver(now)), &robot, 30.0, DURATION);
+        said.into_iter().map(|said| said.places).collect::<Vec<_>>()
+    };
+    let robot = after.giver(0.0);
+    let mut used = pipeline(&usual(), &robot);
+    // In the end nobody is there, and it stands.
+    let partner = |now: f64| (now < 3.0).then(|| before.receiver(now));
+    run(&mut used, partner, &robot, 30.0, DURATION + 2.0);
+    used.reset();
+    let (used, new) = (targets(&mut used), targets(&mut pipeline(&usual(), &robot)));
+    for (tick, (used, new)) in used.iter().zip(&new).enumerate() {
+        assert_eq!(used, new, "tick {tick}");
+    }
+}
+
+/// Skeletons that show nobody are as good as none: after a while the robot will go on gently.
+#[test]
+fn whoever_is_not_known_for_long_stops_it_whatever_the_sensor_sends() {
+    let handover = Handover::new(HELD_OUT);
+    let robot = handover.giver(0.0);
+    let nobody = vec![Point::new(f64::NAN, f64::NAN, f64::NAN); robot.len()];
+    let partner = |now: f64| Some(if now < 2.0 { handover.receiver(now) } else { nobody.clone() });
+    let said = run(&mut pipeline(&usual(), &robot), partner, &robot, 30.0, 5.0);
+    let at = |time: f64| said.iter().find(|said| said.now >= time).unwrap().reason;
+    assert_eq!(at(2.8), Some(HoldReason::Lost));
+    assert_eq!(at(3.5), Some(HoldReason::Stopped));
+    assert_eq!(at(4.9), Some(HoldReason::Stopped));
 }
