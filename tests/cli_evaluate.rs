@@ -12,7 +12,7 @@ use std::path::Path;
 
 use clips::{FIGURES, FRAMES, METHODS, clips, keys};
 use common::{check, check_json, folder};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 const EVALUATE: [&str; 4] = ["evaluate", "clips", "--protocol", "leave_one_out"];
 
@@ -24,7 +24,9 @@ fn evaluate<'a>(more: &[&'a str]) -> Vec<&'a str> {
 fn the_json_has_the_promised_shape() {
     let folder = clips(4);
     let found = check_json(&folder, &evaluate(&["--json"]), 0);
-    assert_eq!(keys(&found), ["protocol", "role", "clips", "summary", "human"]);
+    let about = ["protocol", "role", "causal", "methods"];
+    let shape = [&about[..], &["clips", "summary", "human", "group", "changes"]].concat();
+    assert_eq!(keys(&found), shape);
     assert_eq!((&found["protocol"], &found["role"]), (&"leave_one_out".into(), &"giver".into()));
     let clips = found["clips"].as_array().unwrap();
     let names: Vec<&Value> = clips.iter().map(|clip| &clip["name"]).collect();
@@ -79,8 +81,39 @@ fn methods_pick_columns_and_the_role_may_be_chosen() {
 }
 
 #[test]
+fn a_result_says_how_it_was_made() {
+    let folder = clips(3);
+    let by = |more: &[&str]| {
+        let arguments = [&["--json", "--methods", "hold,knn"], more].concat();
+        let mut found = check_json(&folder, &evaluate(&arguments), 0);
+        ["causal", "methods", "group", "changes"].map(|key| found[key].take())
+    };
+    let methods = json!(["hold", "knn"]);
+    assert_eq!(by(&[]), [json!(false), methods.clone(), json!(null), json!([])]);
+    let more = ["--causal", "--group", "pair", "--set", "track.dimensions=4", "--folds", "7"];
+    let changes = json!([
+        { "key": "track.dimensions", "value": 4, "default": 16 },
+        { "key": "evaluate.folds", "value": 7, "default": 10 },
+    ]);
+    assert_eq!(by(&more), [json!(true), methods, json!("pair"), changes]);
+    let text = |more: &[&str], line: &str| {
+        let arguments = [&["--methods", "hold"], more].concat();
+        let found = check(&folder, &evaluate(&arguments), 0, &[]);
+        assert!(found.stdout.starts_with(line.as_bytes()), "{found:?}");
+    };
+    text(&[], "leave_one_out: 3 clips, 72 frames, the robot is giver\n");
+    let line = "leave_one_out, by the past alone: 3 clips, 72 frames, the robot is giver\n";
+    text(&["--causal", "--set", "track.dimensions=4"], line);
+}
+
+#[test]
 fn usage_errors_say_what_there_is() {
     let folder = clips(2);
+    for protocol in ["forecast", "thesis"] {
+        let arguments = ["evaluate", "clips", "--protocol", protocol, "--causal"];
+        let words = "--causal: goes with the protocols leave_one_out and displaced, not with";
+        check(&folder, &arguments, 2, &[words, protocol]);
+    }
     check(&folder, &evaluate(&["--methods", "magic"]), 2, &["magic", "hold, replay, knn"]);
     check(
         &folder,

@@ -64,7 +64,7 @@ impl Command {
     pub(crate) fn parameters(&self) -> Vec<(String, String)> {
         match self {
             Self::Learn(learn) => learn.learning.parameters(),
-            Self::Evaluate(evaluate) => evaluate.learning.parameters(),
+            Self::Evaluate(evaluate) => evaluate.parameters(),
             Self::Motion(motion) => motion.parameters(),
             Self::Import(_) | Self::Replay(_) | Self::Check(_) => Vec::new(),
         }
@@ -205,6 +205,14 @@ pub(crate) struct Evaluate {
     pub(crate) learning: Learning,
     #[command(flatten)]
     pub(crate) selection: Selection,
+}
+
+impl Evaluate {
+    /// The parameters that the options stand for.
+    fn parameters(&self) -> Vec<(String, String)> {
+        let folds = self.folds.map(|folds| ("evaluate.folds".to_owned(), folds.to_string()));
+        self.learning.parameters().into_iter().chain(folds).collect()
+    }
 }
 
 /// How the edges between the people are learned.

@@ -10,15 +10,21 @@ use handover_mesh::statistics::Summary;
 /// The row of what people did themselves.
 const HUMAN: &str = "(human)";
 
+/// What methods knew, where that is not all: one evaluation must not be taken for the other.
+fn by_what(causal: bool) -> &'static str {
+    if causal { ", by the past alone" } else { "" }
+}
+
 /// Mean and median per method and figure, and the interval of the mean contact error.
 pub(crate) fn evaluation(evaluation: &Evaluation, role: &str) -> String {
-    let Evaluation { protocol, clips, .. } = evaluation;
+    let Evaluation { protocol, clips, causal, .. } = evaluation;
     let frames: usize = clips.iter().map(|clip| clip.frames).sum();
     // What people did, by the same figures: how much they scatter themselves.
     let rows = named(&evaluation.summary).chain([(HUMAN, &evaluation.human)]);
     format!(
-        "{protocol}: {} clips, {frames} frames, the robot is {role}\n\
+        "{protocol}{}: {} clips, {frames} frames, the robot is {role}\n\
          mean / median over the clips, and the 95 % interval of the mean contact error\n\n{}",
+        by_what(*causal),
         clips.len(),
         table(rows)
     )
@@ -35,7 +41,7 @@ pub(crate) fn displaced(displaced: &Displaced, role: &str) -> String {
     let scaled = displaced.clips.iter().filter(|clip| is_scaled(&clip.condition));
     let reachable = scaled.filter(|clip| clip.reachable).count();
     format!(
-        "displaced: {clips} clips ({frames} frames) × {displacements} displacements, \
+        "displaced{}: {clips} clips ({frames} frames) × {displacements} displacements, \
          the robot is {role}\n\
          the partner moved up, left, right or nearer by 0.1 or 0.2 m; mean / median over clips and \
          displacements\n\n{}\n\
@@ -43,6 +49,7 @@ pub(crate) fn displaced(displaced: &Displaced, role: &str) -> String {
          scaled: {clips} clips × {scales} sizes of the robot, 0.8 and 1.2 times its own; \
          {reachable} of these {} within reach\n\
          the partner not moved; mean / median over those within reach\n\n{}",
+        by_what(displaced.causal),
         table(named(&displaced.summary)),
         by_condition(displaced),
         scales * clips,
