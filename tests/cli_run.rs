@@ -10,6 +10,7 @@ mod clips;
 #[allow(dead_code, reason = "other tests use the rest")]
 mod common;
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
@@ -97,6 +98,25 @@ fn every_option_of_evaluate_takes_a_value_or_none() {
     }
     assert!(seen > 12, "{seen} options in: {help}");
     run(&folder, &["--casual", "one"], 2, &["unknown option '--casual'"]);
+}
+
+#[test]
+fn a_run_that_fails_leaves_the_last_results() {
+    let folder = checkout(3);
+    run(&folder, &["clips", "--methods", "hold", "-q"], 0, &["replayed clip   "]);
+    let results = || {
+        let entries = fs::read_dir(folder.path().join("build/run")).unwrap();
+        let files = entries.map(|entry| entry.unwrap().path());
+        files.map(|path| (path.clone(), fs::read(path).unwrap())).collect::<BTreeMap<_, _>>()
+    };
+    let last = results();
+    assert_eq!(last.len(), 5, "{:?}", last.keys());
+    run(&folder, &["clips", "--methods", "foo"], 2, &["foo"]);
+    run(&folder, &["none"], 1, &["none: no such file or folder"]);
+    assert!(last == results());
+    run(&folder, &["clips", "--methods", "knn", "-q"], 0, &[]);
+    let new = results();
+    assert!(last != new && last.keys().eq(new.keys()), "{:?}", new.keys());
 }
 
 #[test]
