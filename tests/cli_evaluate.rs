@@ -206,7 +206,34 @@ fn the_odd_one_out_is_left_out_even_if_it_comes_first() {
     fs::write(folder.path().join("clips/00.csv"), headless.join("\n") + "\n").unwrap();
     let found = check_json(&folder, &evaluate(&["--methods", "hold", "--json"]), 3);
     assert_eq!(found["clips"].as_array().unwrap().len(), 3);
-    check(&folder, &evaluate(&["--methods", "hold"]), 3, &["left out: 00: has other joints"]);
+    let words = "left out: clips/00.csv: other joints than in most: giver: head is missing; receiver: \
+                 head is missing";
+    check(&folder, &evaluate(&["--methods", "hold"]), 3, &[words]);
+}
+
+#[test]
+fn who_is_left_out_is_named_by_file_with_what_is_wrong() {
+    let folder = clips(3);
+    let text = fs::read_to_string(folder.path().join("clips/0.csv")).unwrap();
+    let write = |name: &str, text: &str| {
+        fs::write(folder.path().join("clips").join(name), text).unwrap();
+    };
+    write("alice.csv", &text.replace(",giver,", ",alice,"));
+    // Names in the other order: the other person is the first.
+    let swapped = text.replace(",giver,", ",-,").replace(",receiver,", ",giver,");
+    write("turned.csv", &swapped.replace(",-,", ",receiver,"));
+    let handless = text.lines().filter(|line| !line.contains("giver,right_"));
+    write("nohand.csv", &(handless.collect::<Vec<_>>().join("\n") + "\n"));
+    let words = [
+        "left out: clips/alice.csv: no person 'giver', only",
+        "left out: clips/turned.csv: names its people in another order than most",
+        "left out: clips/nohand.csv: other joints than in most: giver: right_shoulder, \
+         right_elbow, right_hand are missing",
+    ];
+    check(&folder, &evaluate(&["--methods", "hold"]), 3, &words);
+    let replay = ["replay", "clips", "clips/nohand.csv", "--filter", "[0-2].csv"];
+    let words = "cannot replay clips/nohand.csv: other joints than in demonstration 0: giver: right_shoulder";
+    check(&folder, &[&replay[..], &["--method", "none"]].concat(), 1, &[words]);
 }
 
 #[test]

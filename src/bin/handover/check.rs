@@ -151,7 +151,7 @@ fn text(file: &ReadFile) -> String {
 
 fn value(file: &ReadFile) -> Value {
     let path = file.path.display().to_string();
-    let Loaded { recording, format, sha256 } = match &file.outcome {
+    let Loaded { recording, format, sha256, .. } = match &file.outcome {
         Ok(loaded) => loaded,
         Err(faults) => return bad_value(&file.path, faults),
     };
