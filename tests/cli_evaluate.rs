@@ -237,6 +237,40 @@ fn who_is_left_out_is_named_by_file_with_what_is_wrong() {
 }
 
 #[test]
+fn what_is_too_short_to_be_an_interaction_is_left_out() {
+    let folder = clips(3);
+    let text = fs::read_to_string(folder.path().join("clips/0.csv")).unwrap();
+    // The whole one is of 24 frames, 30 a second.
+    let first = |frames: usize| {
+        let mut rows = 0..;
+        let row = |line: &&str| line.starts_with(|c: char| c.is_ascii_digit());
+        let lines = text.lines().filter(|line| !row(line) || rows.next().unwrap() < 18 * frames);
+        lines.collect::<Vec<_>>().join("\n") + "\n"
+    };
+    let figures = || {
+        let found = check_json(&folder, &evaluate(&["--methods", "hold", "--json"]), 3);
+        (found["clips"].as_array().unwrap().len(), found["human"]["gap_cm"]["mean"].clone())
+    };
+    // Something has to be left out in either case.
+    fs::write(folder.path().join("clips/nothing.csv"), "nothing\n").unwrap();
+    let whole = figures();
+    for (name, frames) in [("one", 1), ("three", 3), ("fifteen", 15)] {
+        fs::write(folder.path().join(format!("clips/{name}.csv")), first(frames)).unwrap();
+    }
+    assert_eq!(figures(), whole);
+    let words = [
+        "left out: clips/one.csv: 1 frame in 0.00 s, no interaction: at least 5 frames",
+        "left out: clips/three.csv: 3 frames in 0.07 s, no interaction",
+        "left out: clips/fifteen.csv: 15 frames in 0.47 s, no interaction",
+    ];
+    check(&folder, &evaluate(&["--methods", "hold"]), 3, &words);
+    let replay = ["replay", "clips", "clips/one.csv", "--method", "none", "--filter", "[0-2].csv"];
+    check(&folder, &replay, 1, &[words[0], "no recording is left to work with"]);
+    fs::write(folder.path().join("clips/sixteen.csv"), first(16)).unwrap();
+    assert_eq!(figures().0, 4);
+}
+
+#[test]
 fn wrong_parameters_are_reported_together() {
     let folder = clips(2);
     let write = |text: &str| fs::write(folder.path().join("p.yaml"), text).unwrap();

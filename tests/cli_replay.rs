@@ -250,7 +250,7 @@ fn every_key_and_reason_of_a_trace_is_explained() {
     let rows: Vec<&str> = explained.lines().filter(|line| line.starts_with("| `")).collect();
     for name in names.into_iter().chain(reasons) {
         let cell = |row: &&str| row.split(" | ").next().unwrap().contains(&format!("`{name}`"));
-        assert!(rows.iter().any(|row| cell(row)), "no row of docs/trace.md explains {name}");
+        assert!(rows.iter().any(cell), "no row of docs/trace.md explains {name}");
     }
     check(&folder, &["replay", "--help"], 0, &["docs/trace.md", "no measurement"]);
     assert!(include_str!("../README.md").contains("](docs/trace.md)"));

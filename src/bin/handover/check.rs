@@ -95,7 +95,7 @@ fn closest_hands(recording: &Recording) -> Option<Closest> {
 }
 
 /// First to last frame, in seconds.
-fn duration(recording: &Recording) -> f64 {
+pub(crate) fn duration(recording: &Recording) -> f64 {
     let mut stamps = recording.stamps();
     let first = stamps.next();
     first.zip(stamps.last()).map_or(0.0, |(first, last)| (last - first).seconds())

@@ -12,11 +12,17 @@ use handover_mesh::{Config, Recording, Role};
 
 use crate::UsageError;
 use crate::args::Selection;
+use crate::check::duration;
 use crate::files;
-use crate::output::Output;
+use crate::output::{Output, counted};
 
 /// Roles a robot takes where none is named, the first one that the recordings have.
 const DEFAULT_ROLES: [&str; 2] = ["giver", "B"];
+
+/// The least that may be an interaction: who comes, reaches and withdraws takes longer `[s]`, and is
+/// seen more often. A shorter recording would spoil every mean that it is in.
+const SHORTEST: f64 = 0.5;
+const FEWEST_FRAMES: usize = 5;
 
 /// Demonstrations, and how many recordings were left out (each has been named).
 pub(crate) struct Loaded {
@@ -129,6 +135,18 @@ fn take(
         left_out += 1;
     };
     for files::Loaded { path, recording, sha256, .. } in recordings {
+        let (frames, seconds) = (recording.len(), duration(&recording));
+        if frames < FEWEST_FRAMES || seconds < SHORTEST {
+            let frames = counted(frames, "frame");
+            leave_out(
+                &path,
+                &format!(
+                    "{frames} in {seconds:.2} s, no interaction: at least {FEWEST_FRAMES} frames in \
+                 {SHORTEST} s are"
+                ),
+            );
+            continue;
+        }
         let name = format!("{}: ", recording.name());
         match Demonstration::new(Arc::new(recording), &role, &config.base_joint) {
             Ok(demonstration) => {
