@@ -266,6 +266,7 @@ fn what_is_too_short_to_be_an_interaction_is_left_out() {
     check(&folder, &evaluate(&["--methods", "hold"]), 3, &words);
     let replay = ["replay", "clips", "clips/one.csv", "--method", "none", "--filter", "[0-2].csv"];
     check(&folder, &replay, 1, &[words[0], "no recording is left to work with"]);
+    check(&folder, &["check", "clips/one.csv"], 0, &["clips/one.csv: CSV", ", 1 frame, no rate"]);
     fs::write(folder.path().join("clips/sixteen.csv"), first(16)).unwrap();
     assert_eq!(figures().0, 4);
 }

@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use crate::Outcome;
 use crate::args::Check;
 use crate::files::{self, Fault, Loaded, ReadFile};
-use crate::output::Output;
+use crate::output::{Output, counted};
 use model::ModelFile;
 use parameters::ParameterFile;
 
@@ -117,20 +117,20 @@ fn text(file: &ReadFile) -> String {
         Ok(loaded) => loaded,
         Err(faults) => return bad_text(&file.path, faults),
     };
-    let people = recording
-        .people()
-        .each_ref()
-        .map(|person| format!("{} ({} joints)", person.name, person.motion.skeleton().len()));
+    let people = recording.people().each_ref().map(|person| {
+        format!("{} ({})", person.name, counted(person.motion.skeleton().len(), "joint"))
+    });
     let hz = rate(recording.stamps()).map_or("no rate".into(), |hz| format!("{hz:.1} Hz"));
     let mut text = format!(
-        "{path}: {format}, {}, {} frames, {hz}, {:.2} s",
+        "{path}: {format}, {}, {}, {hz}, {:.2} s",
         people.join(" and "),
-        recording.len(),
+        counted(recording.len(), "frame"),
         duration(recording),
     );
     // Writing to a String cannot fail.
     if let Some(object) = recording.object() {
-        let _ = write!(text, ", object '{}' in {} frames", object.name, object.places.len());
+        let _ =
+            write!(text, ", object '{}' in {}", object.name, counted(object.places.len(), "frame"));
     }
     text.push('\n');
     if let Some(Closest { distance, frame, seconds, hands: [first, second] }) =
