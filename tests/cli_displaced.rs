@@ -54,7 +54,10 @@ fn check_summary(summary: &Value, n: usize) {
 fn the_displaced_json_has_the_promised_shape() {
     let folder = clips(3);
     let found = check_json(&folder, &displaced(&["--json"]), 0);
-    assert_eq!(keys(&found), ["protocol", "role", "clips", "summary", "scaled", "conditions"]);
+    let about = ["protocol", "role", "causal", "methods"];
+    let figures = ["clips", "summary", "scaled", "conditions"];
+    assert_eq!(keys(&found), [&about[..], &figures, &["group", "changes"]].concat());
+    assert_eq!((&found["causal"], &found["group"]), (&json!(false), &json!(null)));
     assert_eq!((&found["protocol"], &found["role"]), (&json!("displaced"), &json!("giver")));
     let clips = found["clips"].as_array().unwrap();
     let entries = clips.iter().map(|clip| (&clip["name"], &clip["condition"]));

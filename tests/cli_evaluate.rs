@@ -12,7 +12,7 @@ use std::path::Path;
 
 use clips::{FIGURES, FRAMES, METHODS, clips, keys};
 use common::{check, check_json, folder};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 const EVALUATE: [&str; 4] = ["evaluate", "clips", "--protocol", "leave_one_out"];
 
@@ -24,7 +24,9 @@ fn evaluate<'a>(more: &[&'a str]) -> Vec<&'a str> {
 fn the_json_has_the_promised_shape() {
     let folder = clips(4);
     let found = check_json(&folder, &evaluate(&["--json"]), 0);
-    assert_eq!(keys(&found), ["protocol", "role", "clips", "summary", "human"]);
+    let about = ["protocol", "role", "causal", "methods"];
+    let shape = [&about[..], &["clips", "summary", "human", "group", "changes"]].concat();
+    assert_eq!(keys(&found), shape);
     assert_eq!((&found["protocol"], &found["role"]), (&"leave_one_out".into(), &"giver".into()));
     let clips = found["clips"].as_array().unwrap();
     let names: Vec<&Value> = clips.iter().map(|clip| &clip["name"]).collect();
@@ -79,8 +81,39 @@ fn methods_pick_columns_and_the_role_may_be_chosen() {
 }
 
 #[test]
+fn a_result_says_how_it_was_made() {
+    let folder = clips(3);
+    let by = |more: &[&str]| {
+        let arguments = [&["--json", "--methods", "hold,knn"], more].concat();
+        let mut found = check_json(&folder, &evaluate(&arguments), 0);
+        ["causal", "methods", "group", "changes"].map(|key| found[key].take())
+    };
+    let methods = json!(["hold", "knn"]);
+    assert_eq!(by(&[]), [json!(false), methods.clone(), json!(null), json!([])]);
+    let more = ["--causal", "--group", "pair", "--set", "track.dimensions=4", "--folds", "7"];
+    let changes = json!([
+        { "key": "track.dimensions", "value": 4, "default": 16 },
+        { "key": "evaluate.folds", "value": 7, "default": 10 },
+    ]);
+    assert_eq!(by(&more), [json!(true), methods, json!("pair"), changes]);
+    let text = |more: &[&str], line: &str| {
+        let arguments = [&["--methods", "hold"], more].concat();
+        let found = check(&folder, &evaluate(&arguments), 0, &[]);
+        assert!(found.stdout.starts_with(line.as_bytes()), "{found:?}");
+    };
+    text(&[], "leave_one_out: 3 clips, 72 frames, the robot is giver\n");
+    let line = "leave_one_out, by the past alone: 3 clips, 72 frames, the robot is giver\n";
+    text(&["--causal", "--set", "track.dimensions=4"], line);
+}
+
+#[test]
 fn usage_errors_say_what_there_is() {
     let folder = clips(2);
+    for protocol in ["forecast", "thesis"] {
+        let arguments = ["evaluate", "clips", "--protocol", protocol, "--causal"];
+        let words = "--causal: goes with the protocols leave_one_out and displaced, not with";
+        check(&folder, &arguments, 2, &[words, protocol]);
+    }
     check(&folder, &evaluate(&["--methods", "magic"]), 2, &["magic", "hold, replay, knn"]);
     check(
         &folder,
@@ -173,7 +206,69 @@ fn the_odd_one_out_is_left_out_even_if_it_comes_first() {
     fs::write(folder.path().join("clips/00.csv"), headless.join("\n") + "\n").unwrap();
     let found = check_json(&folder, &evaluate(&["--methods", "hold", "--json"]), 3);
     assert_eq!(found["clips"].as_array().unwrap().len(), 3);
-    check(&folder, &evaluate(&["--methods", "hold"]), 3, &["left out: 00: has other joints"]);
+    let words = "left out: clips/00.csv: other joints than in most: giver: head is missing; receiver: \
+                 head is missing";
+    check(&folder, &evaluate(&["--methods", "hold"]), 3, &[words]);
+}
+
+#[test]
+fn who_is_left_out_is_named_by_file_with_what_is_wrong() {
+    let folder = clips(3);
+    let text = fs::read_to_string(folder.path().join("clips/0.csv")).unwrap();
+    let write = |name: &str, text: &str| {
+        fs::write(folder.path().join("clips").join(name), text).unwrap();
+    };
+    write("alice.csv", &text.replace(",giver,", ",alice,"));
+    // Names in the other order: the other person is the first.
+    let swapped = text.replace(",giver,", ",-,").replace(",receiver,", ",giver,");
+    write("turned.csv", &swapped.replace(",-,", ",receiver,"));
+    let handless = text.lines().filter(|line| !line.contains("giver,right_"));
+    write("nohand.csv", &(handless.collect::<Vec<_>>().join("\n") + "\n"));
+    let words = [
+        "left out: clips/alice.csv: no person 'giver', only",
+        "left out: clips/turned.csv: names its people in another order than most",
+        "left out: clips/nohand.csv: other joints than in most: giver: right_shoulder, \
+         right_elbow, right_hand are missing",
+    ];
+    check(&folder, &evaluate(&["--methods", "hold"]), 3, &words);
+    let replay = ["replay", "clips", "clips/nohand.csv", "--filter", "[0-2].csv"];
+    let words = "cannot replay clips/nohand.csv: other joints than in demonstration 0: giver: right_shoulder";
+    check(&folder, &[&replay[..], &["--method", "none"]].concat(), 1, &[words]);
+}
+
+#[test]
+fn what_is_too_short_to_be_an_interaction_is_left_out() {
+    let folder = clips(3);
+    let text = fs::read_to_string(folder.path().join("clips/0.csv")).unwrap();
+    // The whole one is of 24 frames, 30 a second.
+    let first = |frames: usize| {
+        let mut rows = 0..;
+        let row = |line: &&str| line.starts_with(|c: char| c.is_ascii_digit());
+        let lines = text.lines().filter(|line| !row(line) || rows.next().unwrap() < 18 * frames);
+        lines.collect::<Vec<_>>().join("\n") + "\n"
+    };
+    let figures = || {
+        let found = check_json(&folder, &evaluate(&["--methods", "hold", "--json"]), 3);
+        (found["clips"].as_array().unwrap().len(), found["human"]["gap_cm"]["mean"].clone())
+    };
+    // Something has to be left out in either case.
+    fs::write(folder.path().join("clips/nothing.csv"), "nothing\n").unwrap();
+    let whole = figures();
+    for (name, frames) in [("one", 1), ("three", 3), ("fifteen", 15)] {
+        fs::write(folder.path().join(format!("clips/{name}.csv")), first(frames)).unwrap();
+    }
+    assert_eq!(figures(), whole);
+    let words = [
+        "left out: clips/one.csv: 1 frame in 0.00 s, no interaction: at least 5 frames",
+        "left out: clips/three.csv: 3 frames in 0.07 s, no interaction",
+        "left out: clips/fifteen.csv: 15 frames in 0.47 s, no interaction",
+    ];
+    check(&folder, &evaluate(&["--methods", "hold"]), 3, &words);
+    let replay = ["replay", "clips", "clips/one.csv", "--method", "none", "--filter", "[0-2].csv"];
+    check(&folder, &replay, 1, &[words[0], "no recording is left to work with"]);
+    check(&folder, &["check", "clips/one.csv"], 0, &["clips/one.csv: CSV", ", 1 frame, no rate"]);
+    fs::write(folder.path().join("clips/sixteen.csv"), first(16)).unwrap();
+    assert_eq!(figures().0, 4);
 }
 
 #[test]

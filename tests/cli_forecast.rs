@@ -64,7 +64,8 @@ fn slow_clips(count: u32) -> TempDir {
 fn the_forecast_json_has_the_promised_shape() {
     let folder = slow_clips(4);
     let found = check_json(&folder, &forecast(&["--json"]), 0);
-    assert_eq!(keys(&found), ["protocol", "role", "horizons_ms", "clips", "summary"]);
+    let shape = ["protocol", "role", "horizons_ms", "clips", "summary", "group", "changes"];
+    assert_eq!(keys(&found), shape);
     assert_eq!((&found["protocol"], &found["role"]), (&"forecast".into(), &"giver".into()));
     assert_eq!(found["horizons_ms"], json!([100.0, 200.0, 300.0, 500.0]));
     let clips = found["clips"].as_array().unwrap();

@@ -7,13 +7,14 @@
 mod clips;
 mod common;
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::sync::Arc;
 
 use clips::{FIGURES, FRAMES, METHODS, clips, keys};
 use common::{check, check_json};
 use handover_mesh::formats::{UpAxis, csv};
-use handover_mesh::safety::SafetySettings;
+use handover_mesh::safety::{HoldReason, SafetySettings};
 use handover_mesh::{Frame, Person, Recording, Role, Sequence, Stamp, Vector};
 use serde_json::{Map, Value, json};
 use tempfile::TempDir;
@@ -174,6 +175,7 @@ fn a_trace_is_the_same_in_every_run() {
         "sighting",
         "robot",
         "partner",
+        "seen",
         "phase",
         "reference",
         "solution",
@@ -209,6 +211,49 @@ fn a_trace_is_the_same_in_every_run() {
     let left: Vec<_> =
         fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
     assert!(left.iter().all(|name| !name.to_string_lossy().ends_with(".tmp")), "{left:?}");
+}
+
+/// The keys of a value and of all in it, as `outer.inner`; those of a list's are without `outer`.
+fn names_in(value: &Value, outer: &str, names: &mut BTreeSet<String>) {
+    match value {
+        Value::Object(values) => {
+            for (key, value) in values {
+                let name = format!("{outer}{key}");
+                // Parameters are explained elsewhere.
+                if key != "parameters" {
+                    names_in(value, &format!("{name}."), names);
+                }
+                if value.as_object().is_none_or(|inner| inner.is_empty() || key == "parameters") {
+                    names.insert(name);
+                }
+            }
+        }
+        Value::Array(values) => values.iter().for_each(|value| names_in(value, "", names)),
+        _ => {}
+    }
+}
+
+#[test]
+fn every_key_and_reason_of_a_trace_is_explained() {
+    let folder = model();
+    check(&folder, &["replay", "m.safetensors", "new.csv", "-o", "t.jsonl"], 0, &[]);
+    let (header, ticks) = trace(&folder, "t.jsonl");
+    let mut names = BTreeSet::new();
+    names_in(&header, "", &mut names);
+    ticks.iter().for_each(|tick| names_in(tick, "", &mut names));
+    assert!(
+        names.len() > 35 && names.contains("phase.tempo") && names.contains("yaw"),
+        "{names:?}"
+    );
+    let reasons = HoldReason::ALL.map(|reason| reason.name().to_owned());
+    let explained = include_str!("../docs/trace.md");
+    let rows: Vec<&str> = explained.lines().filter(|line| line.starts_with("| `")).collect();
+    for name in names.into_iter().chain(reasons) {
+        let cell = |row: &&str| row.split(" | ").next().unwrap().contains(&format!("`{name}`"));
+        assert!(rows.iter().any(cell), "no row of docs/trace.md explains {name}");
+    }
+    check(&folder, &["replay", "--help"], 0, &["docs/trace.md", "no measurement"]);
+    assert!(include_str!("../README.md").contains("](docs/trace.md)"));
 }
 
 /// The targets' speed, acceleration and jerk at most, of any joint, by divided differences.

@@ -35,7 +35,7 @@ fn check_method(method: &str, moves: &[&str]) {
     let found = check_json(&folder, &thesis(&["--json", "--method", method]), 0);
     let shape = [
         "protocol", "role", "method", "kernel", "input", "clips", "table", "curves", "steps",
-        "average",
+        "average", "group", "changes",
     ];
     assert_eq!(keys(&found), shape);
     for (key, value) in [

@@ -12,7 +12,7 @@ use serde_json::{Map, Value, json};
 
 use super::predictors::{EvaluateError, EvaluateSettings, Learnt, each_clip};
 use super::report::{
-    MethodFigures, MethodSummaries, every_method, figures_json, summaries_json, summarise,
+    MethodFigures, MethodSummaries, every_method, figures_json, names, summaries_json, summarise,
 };
 use super::{Condition, Figures, Trial, TrialError};
 use crate::demonstration::Demonstration;
@@ -42,6 +42,8 @@ pub struct ChangedClip {
 /// all its conditions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Displaced {
+    /// Whether methods knew the past alone.
+    pub causal: bool,
     /// Per clip, in their own order, and condition, in [`Condition::ALL`]'s.
     pub clips: Vec<ChangedClip>,
     /// Over all displacements, the robot as it is; per method, in the columns' order.
@@ -87,7 +89,8 @@ pub fn displaced(
     let summary = over(&|condition| !is_scaled(condition));
     let scaled = over(&is_scaled);
     let conditions = Condition::ALL.map(|one| (one, over(&|condition| condition == one))).into();
-    Ok(Displaced { summary, scaled, conditions, failures: failures.concat(), clips })
+    let (causal, failures) = (settings.causal.is_some(), failures.concat());
+    Ok(Displaced { causal, summary, scaled, conditions, failures, clips })
 }
 
 /// All methods on one clip under all conditions, each with the methods that had nothing to say.
@@ -134,9 +137,10 @@ fn evaluate_condition(
 }
 
 impl Displaced {
-    /// `{"protocol","role","clips":[{"name","frames","condition","displacement_m":[x,y,z],"scale",
-    /// "methods":{METHOD:{FIGURE}}}],"summary":{METHOD:{FIGURE:{"mean","median","low","high","n"}}},
-    /// "scaled":{as summary},"conditions":{CONDITION:{as summary}}}`; undefined figures are null.
+    /// `{"protocol","role","causal","methods":[METHOD],"clips":[{"name","frames","condition",
+    /// "displacement_m":[x,y,z],"scale","methods":{METHOD:{FIGURE}}}],
+    /// "summary":{METHOD:{FIGURE:{"mean","median","low","high","n"}}},"scaled":{as summary},
+    /// "conditions":{CONDITION:{as summary}}}`; undefined figures are null.
     pub fn to_json(&self, role: &str) -> Value {
         let clips: Vec<Value> = self.clips.iter().map(clip_json).collect();
         let conditions = self.conditions.iter();
@@ -146,6 +150,8 @@ impl Displaced {
         json!({
             "protocol": "displaced",
             "role": role,
+            "causal": self.causal,
+            "methods": names(&self.summary),
             "clips": clips,
             "summary": summaries_json(&self.summary),
             "scaled": summaries_json(&self.scaled),

@@ -30,7 +30,7 @@ pub fn leave_one_out(
         evaluated
     })?;
     let (clips, failures): (Vec<Clip>, Vec<Vec<String>>) = evaluated.into_iter().unzip();
-    Ok(Evaluation::new("leave_one_out", &settings.methods, clips, failures.concat()))
+    Ok(Evaluation::new("leave_one_out", settings, clips, failures.concat()))
 }
 
 /// All methods on one clip, and which of them had nothing to say about it.

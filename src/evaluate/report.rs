@@ -2,8 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::TrialError;
-use super::{Figure, Figures};
+use super::{EvaluateSettings, Figure, Figures, TrialError};
 use crate::predict::Method;
 use crate::statistics::Summary;
 
@@ -36,6 +35,8 @@ pub type Summaries = [Option<Summary>; Figure::ALL.len()];
 pub struct Evaluation {
     /// The protocol's name.
     pub protocol: &'static str,
+    /// Whether methods knew the past alone.
+    pub causal: bool,
     /// The clips, in their own order.
     pub clips: Vec<Clip>,
     /// Per method, in the columns' order.
@@ -50,17 +51,18 @@ impl Evaluation {
     /// Sums up the clips.
     pub(super) fn new(
         protocol: &'static str,
-        methods: &[Method],
+        settings: &EvaluateSettings,
         clips: Vec<Clip>,
         failures: Vec<String>,
     ) -> Self {
         let each: Vec<Vec<&MethodFigures>> = clips.iter().map(|clip| vec![&clip.methods]).collect();
-        let summary = summarise(methods, &each);
+        let summary = summarise(&settings.methods, &each);
         let human = summaries(&clips.iter().map(|clip| vec![clip.human]).collect::<Vec<_>>());
-        Self { protocol, clips, summary, human, failures }
+        Self { protocol, causal: settings.causal.is_some(), clips, summary, human, failures }
     }
 
-    /// `{"protocol","role","clips":[{"name","frames","methods":{METHOD:{FIGURE}},"human":{FIGURE}}],
+    /// `{"protocol","role","causal","methods":[METHOD],"clips":[{"name","frames",
+    /// "methods":{METHOD:{FIGURE}},"human":{FIGURE}}],
     /// "summary":{METHOD:{FIGURE:{"mean","median","low","high","n"}}},"human":{FIGURE:{…}}}`;
     /// undefined figures are null.
     pub fn to_json(&self, role: &str) -> Value {
@@ -68,6 +70,8 @@ impl Evaluation {
         json!({
             "protocol": self.protocol,
             "role": role,
+            "causal": self.causal,
+            "methods": names(&self.summary),
             "clips": clips,
             "summary": summaries_json(&self.summary),
             "human": summary_json(&self.human),
@@ -114,6 +118,11 @@ fn summaries(clips: &[Vec<Figures>]) -> Summaries {
         let values: Vec<Vec<f64>> = values.collect();
         Summary::of_groups(&values.iter().map(Vec::as_slice).collect::<Vec<_>>())
     })
+}
+
+/// The columns' names.
+pub(super) fn names(methods: &MethodSummaries) -> Vec<&'static str> {
+    methods.iter().map(|(method, _)| method.name()).collect()
 }
 
 /// `{METHOD:{FIGURE:{"mean","median","low","high","n"} or null}}`.

@@ -13,7 +13,8 @@ const MOST_BETWEEN: i64 = 10_000;
 /// The ticks of a recording: at each frame the partner is sighted as recorded there; between
 /// frames that are farther apart, as many ticks without a sighting as come nearest to the rate.
 ///
-/// The robot stands as it did at the first frame, and goes wherever its base is.
+/// What the robot says of its joints is no measurement: it is the pose of the first frame, shifted
+/// at every tick to where the base of the person in its role was recorded.
 #[derive(Debug, Clone)]
 pub struct Replay<'a> {
     observation: &'a Observation,

@@ -50,22 +50,12 @@ impl TraceHeader<'_> {
     }
 }
 
-/// One tick as a line of JSON, without its end; points are `[x, y, z]`, what is not known is null.
+/// One tick as a line of JSON, without its end: the lines that follow [`TraceHeader::line`]. Of a
+/// [`Replay`](super::Replay) `robot` is no measurement; what each key is says `docs/trace.md`:
 ///
-/// | key | what it is |
-/// | --- | --- |
-/// | `now` | the instant of the tick |
-/// | `sighting` | what came in of the partner: `stamp`, `body`, `positions`, `confidences` |
-/// | `robot` | where the robot said its joints were |
-/// | `partner` | where the partner's joints are now, as believed |
-/// | `seen` | of the partner's skeleton: `ignored` (why the sighting was not taken), `unseen` (joints not in the newest sighting), `lost` (those whose place is a guess), `swapped` (whether left and right were exchanged in it, and mended) |
-/// | `phase` | where in the demonstrations that is: `followed` (`demonstration` counted from 0, `weight`, `time` since its start, `yaw`), `hands` (the robot's and the partner's), `contact_in` (seconds at the demonstrations' tempo), `tempo`, `distance` (m, from the demonstrations), `turned` (rad, of the partner from the robot, beyond theirs), `familiar` |
-/// | `reference` | the robot's joints now by the demonstrations followed |
-/// | `solution` | the same bent to the partner, before the gate |
-/// | `residual` | what the solve left over: `steps`, `last_step`, `bones` |
-/// | `target` | where the robot is to be now |
-/// | `stands_in` | how soon it would stand if nothing more were said |
-/// | `reason` | why it is not moving as proposed |
+#[doc = include_str!("../../docs/trace.md")]
+///
+/// # Example
 ///
 /// ```
 /// use handover_mesh::online::{OnlineModel, OnlineSettings, Pipeline, Replay, trace_line};

@@ -8,6 +8,7 @@ use crate::demonstration::{Demonstration, Hands, Observation};
 use crate::geometry::{Point, Vector};
 use crate::mesh::MeshError;
 use crate::retarget::RetargetError;
+use crate::skeleton::joint_differences;
 
 /// Ways to say where the robot's joints belong.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -66,10 +67,12 @@ pub enum PredictError {
     #[error("no demonstrations")]
     NoDemonstrations,
     /// A demonstration's skeletons are not the observation's.
-    #[error("{demonstration} has other joints than the recording at hand")]
+    #[error("other joints than in demonstration {demonstration}: {difference}")]
     Skeleton {
         /// The demonstration's name.
         demonstration: String,
+        /// Which of the observation's joints are missing or extra.
+        difference: String,
     },
     /// The robot takes one role in a demonstration and another here.
     #[error("{demonstration} names its people in another order than the recording at hand")]
@@ -312,7 +315,18 @@ fn check_same(
     if demonstration.robot_role() != observation.robot_role {
         return Err(PredictError::Role { demonstration: name() });
     }
-    let same = demonstration.robot().skeleton() == &observation.robot_skeleton
-        && demonstration.partner().skeleton() == observation.partner.skeleton();
-    if same { Ok(()) } else { Err(PredictError::Skeleton { demonstration: name() }) }
+    let (role, recording) = (demonstration.robot_role(), demonstration.recording());
+    let person = |role| recording.person(role).name.as_str();
+    let different = joint_differences([
+        (person(role), &observation.robot_skeleton, demonstration.robot().skeleton()),
+        (
+            person(role.partner()),
+            observation.partner.skeleton(),
+            demonstration.partner().skeleton(),
+        ),
+    ]);
+    match different {
+        None => Ok(()),
+        Some(difference) => Err(PredictError::Skeleton { demonstration: name(), difference }),
+    }
 }

@@ -5,6 +5,7 @@
 //!
 //! Reads no file and knows nothing of meshes or robots.
 
+mod difference;
 mod heading;
 mod joints;
 mod mirror;
@@ -14,6 +15,7 @@ mod rootless;
 mod sequence;
 mod smooth;
 
+pub use difference::joint_differences;
 pub use joints::{Bone, JointId, Skeleton, SkeletonError};
 pub use part::{Part, Side};
 pub use recording::{ObjectTrack, Person, Recording, RecordingError, Role};

@@ -64,7 +64,7 @@ impl Command {
     pub(crate) fn parameters(&self) -> Vec<(String, String)> {
         match self {
             Self::Learn(learn) => learn.learning.parameters(),
-            Self::Evaluate(evaluate) => evaluate.learning.parameters(),
+            Self::Evaluate(evaluate) => evaluate.parameters(),
             Self::Motion(motion) => motion.parameters(),
             Self::Import(_) | Self::Replay(_) | Self::Check(_) => Vec::new(),
         }
@@ -133,6 +133,10 @@ pub(crate) struct Learn {
 /// A recording that lies among the demonstrations is left out of them. A model brings its edges,
 /// parameters and role along, and takes parameters of the sections tick, filter, track, window and
 /// safety over its own; without one, the edges of `mesh` are learned first.
+///
+/// A trace (-o TRACE.jsonl) has a line for each tick, at least one a frame; docs/trace.md says what
+/// every key in it is, and what the reasons are to hold. In it `robot` is no measurement but the
+/// first recorded pose, shifted to where the base was recorded.
 #[derive(Debug, Args)]
 pub(crate) struct Replay {
     /// A model (.safetensors), a demonstration, or a folder searched for demonstrations
@@ -205,6 +209,14 @@ pub(crate) struct Evaluate {
     pub(crate) learning: Learning,
     #[command(flatten)]
     pub(crate) selection: Selection,
+}
+
+impl Evaluate {
+    /// The parameters that the options stand for.
+    fn parameters(&self) -> Vec<(String, String)> {
+        let folds = self.folds.map(|folds| ("evaluate.folds".to_owned(), folds.to_string()));
+        self.learning.parameters().into_iter().chain(folds).collect()
+    }
 }
 
 /// How the edges between the people are learned.

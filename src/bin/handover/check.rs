@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use crate::Outcome;
 use crate::args::Check;
 use crate::files::{self, Fault, Loaded, ReadFile};
-use crate::output::Output;
+use crate::output::{Output, counted};
 use model::ModelFile;
 use parameters::ParameterFile;
 
@@ -95,7 +95,7 @@ fn closest_hands(recording: &Recording) -> Option<Closest> {
 }
 
 /// First to last frame, in seconds.
-fn duration(recording: &Recording) -> f64 {
+pub(crate) fn duration(recording: &Recording) -> f64 {
     let mut stamps = recording.stamps();
     let first = stamps.next();
     first.zip(stamps.last()).map_or(0.0, |(first, last)| (last - first).seconds())
@@ -117,20 +117,20 @@ fn text(file: &ReadFile) -> String {
         Ok(loaded) => loaded,
         Err(faults) => return bad_text(&file.path, faults),
     };
-    let people = recording
-        .people()
-        .each_ref()
-        .map(|person| format!("{} ({} joints)", person.name, person.motion.skeleton().len()));
+    let people = recording.people().each_ref().map(|person| {
+        format!("{} ({})", person.name, counted(person.motion.skeleton().len(), "joint"))
+    });
     let hz = rate(recording.stamps()).map_or("no rate".into(), |hz| format!("{hz:.1} Hz"));
     let mut text = format!(
-        "{path}: {format}, {}, {} frames, {hz}, {:.2} s",
+        "{path}: {format}, {}, {}, {hz}, {:.2} s",
         people.join(" and "),
-        recording.len(),
+        counted(recording.len(), "frame"),
         duration(recording),
     );
     // Writing to a String cannot fail.
     if let Some(object) = recording.object() {
-        let _ = write!(text, ", object '{}' in {} frames", object.name, object.places.len());
+        let _ =
+            write!(text, ", object '{}' in {}", object.name, counted(object.places.len(), "frame"));
     }
     text.push('\n');
     if let Some(Closest { distance, frame, seconds, hands: [first, second] }) =
@@ -151,7 +151,7 @@ fn text(file: &ReadFile) -> String {
 
 fn value(file: &ReadFile) -> Value {
     let path = file.path.display().to_string();
-    let Loaded { recording, format, sha256 } = match &file.outcome {
+    let Loaded { recording, format, sha256, .. } = match &file.outcome {
         Ok(loaded) => loaded,
         Err(faults) => return bad_value(&file.path, faults),
     };

@@ -1,21 +1,28 @@
 //! Files named on the command line → demonstrations of one role by one kind of pair.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::bail;
 use handover_mesh::demonstration::Demonstration;
 use handover_mesh::mesh::Pair;
-use handover_mesh::{Config, Recording};
+use handover_mesh::skeleton::joint_differences;
+use handover_mesh::{Config, Recording, Role};
 
 use crate::UsageError;
 use crate::args::Selection;
+use crate::check::duration;
 use crate::files;
-use crate::output::Output;
+use crate::output::{Output, counted};
 
 /// Roles a robot takes where none is named, the first one that the recordings have.
 const DEFAULT_ROLES: [&str; 2] = ["giver", "B"];
+
+/// The least that may be an interaction: who comes, reaches and withdraws takes longer `[s]`, and is
+/// seen more often. A shorter recording would spoil every mean that it is in.
+const SHORTEST: f64 = 0.5;
+const FEWEST_FRAMES: usize = 5;
 
 /// Demonstrations, and how many recordings were left out (each has been named).
 pub(crate) struct Loaded {
@@ -79,6 +86,32 @@ fn once(read: files::Demonstrations, output: &Output) -> files::Demonstrations {
     files::Demonstrations { recordings: once, ..read }
 }
 
+/// A demonstration and its file.
+struct Taken {
+    path: PathBuf,
+    demonstration: Arc<Demonstration>,
+    sha256: String,
+}
+
+impl Taken {
+    /// What has to be the same in all.
+    fn kind(&self) -> (Role, Pair) {
+        (self.demonstration.robot_role(), Pair::of(self.demonstration.recording()))
+    }
+
+    /// Why it is of another kind than most, if it is.
+    fn differs(&self, (role, usual): &(Role, Pair)) -> Option<String> {
+        if self.demonstration.robot_role() != *role {
+            return Some("names its people in another order than most".to_owned());
+        }
+        let people = [Role::First, Role::Second].map(|role| {
+            let person = self.demonstration.recording().person(role);
+            (person.name.as_str(), &**person.motion.skeleton(), &**usual.skeleton(role))
+        });
+        Some(format!("other joints than in most: {}", joint_differences(people)?))
+    }
+}
+
 fn take(
     read: files::Demonstrations,
     role: Option<&str>,
@@ -96,36 +129,52 @@ fn take(
         None => default_role(recordings.iter().map(|loaded| &loaded.recording))?,
     };
     let first = recordings[0].recording.name().to_owned();
-    let mut taken: Vec<(Arc<Demonstration>, String)> = Vec::new();
-    let mut leave_out = |why: String| {
-        output.problem(&format!("left out: {why}"));
+    let mut taken: Vec<Taken> = Vec::new();
+    let mut leave_out = |path: &Path, why: &str| {
+        output.problem(&format!("left out: {}: {why}", path.display()));
         left_out += 1;
     };
-    for files::Loaded { recording, sha256, .. } in recordings {
+    for files::Loaded { path, recording, sha256, .. } in recordings {
+        let (frames, seconds) = (recording.len(), duration(&recording));
+        if frames < FEWEST_FRAMES || seconds < SHORTEST {
+            let frames = counted(frames, "frame");
+            leave_out(
+                &path,
+                &format!(
+                    "{frames} in {seconds:.2} s, no interaction: at least {FEWEST_FRAMES} frames in \
+                 {SHORTEST} s are"
+                ),
+            );
+            continue;
+        }
+        let name = format!("{}: ", recording.name());
         match Demonstration::new(Arc::new(recording), &role, &config.base_joint) {
-            Ok(demonstration) => taken.push((Arc::new(demonstration), sha256)),
-            Err(error) => leave_out(error.to_string()),
+            Ok(demonstration) => {
+                taken.push(Taken { path, demonstration: Arc::new(demonstration), sha256 });
+            }
+            // The file is named already.
+            Err(error) => {
+                let why = error.to_string();
+                leave_out(&path, why.strip_prefix(&name).unwrap_or(&why));
+            }
         }
     }
-    let kind = |d: &Demonstration| (d.robot_role(), Pair::of(d.recording()));
-    if let Some(usual) = most_common(taken.iter().map(|(d, _)| kind(d))) {
-        taken.retain(|(demonstration, _)| {
-            let same = kind(demonstration) == usual;
-            if !same {
-                let name = demonstration.recording().name();
-                leave_out(format!(
-                    "{name}: has other joints, or people in another order, than most"
-                ));
+    if let Some(usual) = most_common(taken.iter().map(Taken::kind)) {
+        taken.retain(|taken| {
+            let why = taken.differs(&usual);
+            if let Some(why) = &why {
+                leave_out(&taken.path, why);
             }
-            same
+            why.is_none()
         });
     }
     if taken.is_empty() {
         bail!("no recording is left to work with");
     }
     // Names are distinct.
-    let first_left_out = first_is_bad || taken[0].0.recording().name() != first;
-    let (demonstrations, hashes) = taken.into_iter().unzip();
+    let first_left_out = first_is_bad || taken[0].demonstration.recording().name() != first;
+    let taken = taken.into_iter().map(|taken| (taken.demonstration, taken.sha256));
+    let (demonstrations, hashes) = taken.unzip();
     Ok(Loaded { demonstrations, hashes, role, left_out, first_left_out })
 }
 

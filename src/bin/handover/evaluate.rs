@@ -10,7 +10,7 @@ use handover_mesh::evaluate::{
 };
 use handover_mesh::forecast::ForecastMethod;
 use handover_mesh::predict::Method;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::args::{Evaluate, Protocol};
 use crate::demonstrations::{self, Loaded};
@@ -33,16 +33,20 @@ pub(crate) fn run(
     let Loaded { demonstrations, role, left_out, first_left_out, .. } =
         demonstrations::load(demonstrations, role, selection, config, output)?;
     let groups = demonstrations::groups(&demonstrations, arguments.group.as_deref())?;
-    let folds = arguments.folds.map_or(config.folds, |folds| folds as usize);
     let settings = EvaluateSettings {
         methods: methods(&arguments.methods, &Method::ALL, Method::name),
-        folds,
+        folds: config.folds,
         ignored_joints: config.ignored_joints.clone(),
         predict: config.predict.clone(),
         learn: config.learn.clone(),
         causal: arguments.causal.then(|| config.online.clone()),
     };
-    let folds = evaluate::folds(&groups, folds).into_iter().max().map_or(0, |last| last + 1);
+    let folds = evaluate::folds(&groups, config.folds).into_iter().max().map_or(0, |last| last + 1);
+    let about = |mut found: Value| {
+        found["group"] = json!(arguments.group);
+        found["changes"] = changes(config);
+        found
+    };
     let progress = |steps| Progress::new(output, "learning and evaluating", folds + steps);
     let (clips, out) = (demonstrations.len(), out.as_deref());
     let whole = match arguments.protocol {
@@ -52,7 +56,7 @@ pub(crate) fn run(
             drop(progress);
             let found = found.context("cannot evaluate")?;
             let text = || tables::evaluation(&found, &role);
-            say(output, out, &found.failures, text, &found.to_json(&role))?;
+            say(output, out, &found.failures, text, &about(found.to_json(&role)))?;
             found.failures.is_empty()
         }
         Protocol::Displaced => {
@@ -61,7 +65,7 @@ pub(crate) fn run(
             drop(progress);
             let found = found.context("cannot evaluate")?;
             let text = || tables::displaced(&found, &role);
-            say(output, out, &found.failures, text, &found.to_json(&role))?;
+            say(output, out, &found.failures, text, &about(found.to_json(&role)))?;
             found.failures.is_empty()
         }
         Protocol::Thesis => {
@@ -73,7 +77,8 @@ pub(crate) fn run(
             let found = evaluate::thesis(&demonstrations, &settings, || progress.step());
             drop(progress);
             let found = found.context("cannot evaluate")?;
-            say(output, out, &[], || thesis::text(&found, &role), &found.to_json(&role))?;
+            let text = || thesis::text(&found, &role);
+            say(output, out, &[], text, &about(found.to_json(&role)))?;
             if let Some(plot) = &arguments.plot {
                 files::write_text(&plot::svg(&thesis::figure(&found)), plot)?;
                 output.note(&format!("wrote {}", plot.display()));
@@ -90,18 +95,28 @@ pub(crate) fn run(
             let found = evaluate::forecast(&demonstrations, &groups, &protocol, || progress.step());
             drop(progress);
             let found = found.context("cannot evaluate")?;
-            say(output, out, &[], || tables::forecast(&found, &role), &found.to_json(&role))?;
+            let text = || tables::forecast(&found, &role);
+            say(output, out, &[], text, &about(found.to_json(&role)))?;
             true
         }
     };
     Ok(if whole && left_out == 0 { Outcome::Done } else { Outcome::Loss })
 }
 
-/// Refuses methods of other protocols, and how edges are learned where none are.
+/// Refuses methods of other protocols, how edges are learned where none are, and the past alone
+/// where nothing else is known or it is not asked for.
 ///
 /// # Errors
 /// [`UsageError`].
 fn check(arguments: &Evaluate) -> anyhow::Result<()> {
+    let protocol = arguments.protocol.to_possible_value();
+    let protocol = protocol.as_ref().map_or("", |protocol| protocol.get_name());
+    let has_causal = matches!(arguments.protocol, Protocol::LeaveOneOut | Protocol::Displaced);
+    if arguments.causal && !has_causal {
+        bail!(UsageError(format!(
+            "--causal: goes with the protocols leave_one_out and displaced, not with {protocol}"
+        )));
+    }
     let own = match arguments.protocol {
         Protocol::LeaveOneOut | Protocol::Displaced => Method::ALL.map(Method::name),
         Protocol::Forecast => ForecastMethod::ALL.map(ForecastMethod::name),
@@ -109,10 +124,8 @@ fn check(arguments: &Evaluate) -> anyhow::Result<()> {
         Protocol::Thesis => return Ok(()),
     };
     if let Some(other) = arguments.methods.iter().find(|name| !own.contains(&name.as_str())) {
-        let protocol = arguments.protocol.to_possible_value();
         bail!(UsageError(format!(
-            "--methods: '{other}' is no method of the protocol {}, which has {}",
-            protocol.as_ref().map_or("", |protocol| protocol.get_name()),
+            "--methods: '{other}' is no method of the protocol {protocol}, which has {}",
             own.join(", ")
         )));
     }
@@ -125,6 +138,13 @@ fn check(arguments: &Evaluate) -> anyhow::Result<()> {
         )));
     }
     Ok(())
+}
+
+/// The parameters that are not as by default: one evaluation must not be taken for another.
+fn changes(config: &Config) -> Value {
+    // It was read within its bounds.
+    let changes = config.differences().unwrap_or_default().into_iter();
+    changes.map(|c| json!({ "key": c.key, "value": c.value, "default": c.default })).collect()
 }
 
 /// Failures to stderr, the result to stdout and to a file.

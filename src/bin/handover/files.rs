@@ -31,6 +31,8 @@ const LARGEST: u64 = 1 << 29;
 /// A recording and where it comes from.
 #[derive(Debug)]
 pub(crate) struct Loaded {
+    /// As the arguments lead to it.
+    pub(crate) path: PathBuf,
     pub(crate) recording: Recording,
     pub(crate) format: Format,
     /// Of the file's bytes: 64 hexadecimal digits.
@@ -125,7 +127,7 @@ pub(crate) fn read_all(
     selection: &Selection,
     output: &Output,
 ) -> anyhow::Result<Vec<ReadFile>> {
-    let read = |_: &Path, bytes: &[u8], place: &Place| parse(bytes, place, selection);
+    let read = |path: &Path, bytes: &[u8], place: &Place| parse(path, bytes, place, selection);
     let read = read_each(arguments, selection, search::RECORDINGS, output, read)?;
     let named = read.into_iter().map(|(mut file, name)| {
         file.outcome = file.outcome.map(|loaded| loaded.named(name));
@@ -148,7 +150,7 @@ pub(crate) fn read_motions(
         if search::ends_in(path, &["amc"]) {
             acclaim::read(path, bytes).map(Motion::Angles)
         } else {
-            parse(bytes, place, selection).map(Motion::People)
+            parse(path, bytes, place, selection).map(Motion::People)
         }
     };
     // A skeleton is no motion, and is read with those beside it.
@@ -213,14 +215,19 @@ fn read_one<T>(
     Some((place, ReadFile { path, outcome }))
 }
 
-fn parse(bytes: &[u8], place: &Place, selection: &Selection) -> Result<Loaded, Vec<Fault>> {
+fn parse(
+    path: &Path,
+    bytes: &[u8],
+    place: &Place,
+    selection: &Selection,
+) -> Result<Loaded, Vec<Fault>> {
     let read = || {
         let format = formats::detect(bytes)?;
         let recording = formats::read(bytes, &place.name(0), selection.up_axis())?;
         Ok((format, recording.with_metadata(place.metadata())))
     };
     let (format, recording) = read().map_err(|error| faults(&error))?;
-    Ok(Loaded { recording, format, sha256: sha256(bytes) })
+    Ok(Loaded { path: path.to_owned(), recording, format, sha256: sha256(bytes) })
 }
 
 /// What tells these bytes from any others: 64 hexadecimal digits.

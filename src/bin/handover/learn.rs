@@ -18,7 +18,7 @@ use serde_json::{Map, Value, json};
 
 use crate::args::Learn;
 use crate::demonstrations::{self, Loaded};
-use crate::output::Output;
+use crate::output::{Output, counted};
 use crate::progress::Progress;
 use crate::{Outcome, UsageError, files};
 use log::{Found, Log};
@@ -59,7 +59,7 @@ pub(crate) fn run(learn: &Learn, config: &Config, output: &Output) -> anyhow::Re
     };
     let mut steps = redo(&mut search, &found, &unlearned, learn)?;
     if !steps.is_empty() {
-        output.note(&format!("{} steps redone from the log", steps.len()));
+        output.note(&format!("{} redone from the log", counted(steps.len(), "step")));
     }
     while let Some(step) = step(&mut search, &steps, output)? {
         if let Some((log, path)) = &mut log {

@@ -9,7 +9,7 @@ use handover_mesh::motion::{Dimensions, Neighbourhood};
 use serde_json::json;
 
 use crate::args::Motion;
-use crate::output::Output;
+use crate::output::{Output, counted};
 use crate::progress::Progress;
 use crate::sequences::{self, Unit};
 use crate::{Outcome, files, latent_plot};
@@ -67,8 +67,10 @@ fn text(found: &MotionEvaluation, unit: Unit) -> String {
     let sequences = found.left_out().count();
     let frames: usize = found.left_out().map(|sequence| sequence.frames).sum();
     let mut text = format!(
-        "motion: {sequences} sequences, {frames} frames, {} folds\n\n{}\n",
-        found.folds.len(),
+        "motion: {}, {}, {}\n\n{}\n",
+        counted(sequences, "sequence"),
+        counted(frames, "frame"),
+        counted(found.folds.len(), "fold"),
         each_fold(found)
     );
     let _ = write!(

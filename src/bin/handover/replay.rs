@@ -16,7 +16,7 @@ use handover_mesh::{Config, Frame, Point, Sequence};
 use serde_json::{Value, json};
 
 use crate::args::{Global, Replay};
-use crate::output::Output;
+use crate::output::{Output, counted};
 use crate::{Outcome, UsageError, demonstrations, files};
 use source::Known;
 use ticks::{Ticks, TraceFiles};
@@ -179,9 +179,9 @@ impl Replayed<'_> {
     fn text(&self) -> String {
         let recording = self.truth.recording();
         let mut text = format!(
-            "{}: {} frames, the robot is {}, method {}\n",
+            "{}: {}, the robot is {}, method {}\n",
             recording.name(),
-            recording.len(),
+            counted(recording.len(), "frame"),
             self.role,
             self.method.name()
         );

@@ -7,19 +7,28 @@ use handover_mesh::evaluate::{
 };
 use handover_mesh::statistics::Summary;
 
+use crate::output::counted;
+
 /// The row of what people did themselves.
 const HUMAN: &str = "(human)";
 
+/// What methods knew, where that is not all: one evaluation must not be taken for the other.
+fn by_what(causal: bool) -> &'static str {
+    if causal { ", by the past alone" } else { "" }
+}
+
 /// Mean and median per method and figure, and the interval of the mean contact error.
 pub(crate) fn evaluation(evaluation: &Evaluation, role: &str) -> String {
-    let Evaluation { protocol, clips, .. } = evaluation;
+    let Evaluation { protocol, clips, causal, .. } = evaluation;
     let frames: usize = clips.iter().map(|clip| clip.frames).sum();
     // What people did, by the same figures: how much they scatter themselves.
     let rows = named(&evaluation.summary).chain([(HUMAN, &evaluation.human)]);
     format!(
-        "{protocol}: {} clips, {frames} frames, the robot is {role}\n\
+        "{protocol}{}: {}, {}, the robot is {role}\n\
          mean / median over the clips, and the 95 % interval of the mean contact error\n\n{}",
-        clips.len(),
+        by_what(*causal),
+        counted(clips.len(), "clip"),
+        counted(frames, "frame"),
         table(rows)
     )
 }
@@ -31,21 +40,23 @@ pub(crate) fn displaced(displaced: &Displaced, role: &str) -> String {
     let displacements = Condition::ALL.len() - scales;
     // Every clip is there once for each condition.
     let once = displaced.clips.iter().filter(|clip| clip.condition == Condition::ALL[0]);
-    let (clips, frames) = once.fold((0, 0), |(clips, frames), c| (clips + 1, frames + c.frames));
+    let (count, frames) = once.fold((0, 0), |(clips, frames), c| (clips + 1, frames + c.frames));
+    let (clips, frames) = (counted(count, "clip"), counted(frames, "frame"));
     let scaled = displaced.clips.iter().filter(|clip| is_scaled(&clip.condition));
     let reachable = scaled.filter(|clip| clip.reachable).count();
     format!(
-        "displaced: {clips} clips ({frames} frames) × {displacements} displacements, \
+        "displaced{}: {clips} ({frames}) × {displacements} displacements, \
          the robot is {role}\n\
          the partner moved up, left, right or nearer by 0.1 or 0.2 m; mean / median over clips and \
          displacements\n\n{}\n\
          mean gap of each condition, cm\n\n{}\n\
-         scaled: {clips} clips × {scales} sizes of the robot, 0.8 and 1.2 times its own; \
+         scaled: {clips} × {scales} sizes of the robot, 0.8 and 1.2 times its own; \
          {reachable} of these {} within reach\n\
          the partner not moved; mean / median over those within reach\n\n{}",
+        by_what(displaced.causal),
         table(named(&displaced.summary)),
         by_condition(displaced),
-        scales * clips,
+        scales * count,
         table(named(&displaced.scaled)),
     )
 }
@@ -55,9 +66,10 @@ pub(crate) fn forecast(forecast: &ForecastEvaluation, role: &str) -> String {
     let ForecastEvaluation { methods, horizons, clips, wrist, joint } = forecast;
     let frames: usize = clips.iter().map(|clip| clip.frames).sum();
     let mut text = format!(
-        "forecast: {} clips, {frames} frames, the robot is {role}, its partner is forecast\n\
+        "forecast: {}, {}, the robot is {role}, its partner is forecast\n\
          mean / median over the clips [cm], and the 95 % interval of the mean at each horizon\n",
-        clips.len(),
+        counted(clips.len(), "clip"),
+        counted(frames, "frame"),
     );
     for (what, summaries) in [("wrist", wrist), ("joints", joint)] {
         let _ = write!(text, "\n{what:18}");

@@ -7,7 +7,7 @@ use handover_mesh::evaluate::Thesis;
 
 use crate::UsageError;
 use crate::args::{Evaluate, Protocol};
-use crate::output::Output;
+use crate::output::{Output, counted};
 use crate::plot::{Figure, Line};
 
 /// As many targets as the thesis has.
@@ -43,7 +43,7 @@ pub(crate) fn check(arguments: &Evaluate) -> anyhow::Result<()> {
 /// Says so where there are fewer targets than the thesis has.
 pub(crate) fn note_few(clips: usize, output: &Output) {
     if clips < USUAL_TARGETS {
-        output.note(&format!("{clips} targets; the thesis has {USUAL_TARGETS}"));
+        output.note(&format!("{}; the thesis has {USUAL_TARGETS}", counted(clips, "target")));
     }
 }
 
@@ -52,13 +52,14 @@ pub(crate) fn text(thesis: &Thesis, role: &str) -> String {
     let (method, kernel) = (thesis.method.name(), thesis.kernel.name());
     let frames: usize = thesis.clips.iter().map(|(_, frames)| frames).sum();
     format!(
-        "thesis: {} targets ({frames} frames), the robot is {role}, the input motion is {}\n\
+        "thesis: {} ({}), the robot is {role}, the input motion is {}\n\
          learned by {method}, kernel {kernel}\n\
          distance in m, summed over joints and frames; a row a training, a column a target, * its \
          own;\n\
          others: mean over the other targets, in brackets before training\n\n{}\n\
          distance in m to the own target over the steps of learning\n\n{}",
-        thesis.clips.len(),
+        counted(thesis.clips.len(), "target"),
+        counted(frames, "frame"),
         thesis.clips[0].0,
         table(thesis),
         curves(thesis),

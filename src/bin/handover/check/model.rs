@@ -12,6 +12,7 @@ use serde_json::{Value, json};
 
 use super::{bad_text, bad_value, duration};
 use crate::files::{self, Fault};
+use crate::output::counted;
 
 /// Enough of a hash to tell files apart by eye.
 const SHORT_HASH: usize = 12;
@@ -91,15 +92,15 @@ fn text(model: &Model) -> String {
     }
     for (demonstration, hash) in model.demonstrations().iter().zip(model.hashes()) {
         let recording = demonstration.recording();
-        let (frames, seconds) = (recording.len(), duration(recording));
+        let (frames, seconds) = (counted(recording.len(), "frame"), duration(recording));
         let (name, hash) = (recording.name(), &hash[..SHORT_HASH]);
-        lines.push(format!("  {name}: {frames} frames, {seconds:.2} s, sha256 {hash}"));
+        lines.push(format!("  {name}: {frames}, {seconds:.2} s, sha256 {hash}"));
     }
     lines.push(format!(
-        "  {} edges between the people, factors of {} phases, named for the robot's {robot_hand} \
+        "  {} between the people, factors of {}, named for the robot's {robot_hand} \
          and the partner's {partner_hand} hand",
-        edges.edges().len(),
-        edges.phases()
+        counted(edges.edges().len(), "edge"),
+        counted(edges.phases(), "phase")
     ));
     for learned in edges.edges() {
         let factors: Vec<_> = learned.factors.iter().map(|factor| format!("{factor:.3}")).collect();
@@ -107,10 +108,10 @@ fn text(model: &Model) -> String {
     }
     lines.push(format!("  kernel {}", kernel(model)));
     let mut learned = format!(
-        "  learned by {}: {} steps, {} evaluations, distance {:.4} m -> {:.4} m",
+        "  learned by {}: {}, {}, distance {:.4} m -> {:.4} m",
         training.method,
-        training.steps,
-        training.evaluations,
+        counted(training.steps, "step"),
+        counted(training.evaluations, "evaluation"),
         training.initial_distance,
         training.final_distance
     );

@@ -7,6 +7,8 @@ use handover_mesh::learn::{Search, Step};
 use handover_mesh::model::{Model, Training};
 use serde_json::{Value, json};
 
+use crate::output::counted;
+
 /// A search that has ended.
 pub(super) struct Report<'a> {
     pub(super) path: &'a Path,
@@ -32,6 +34,7 @@ impl Report<'_> {
     pub(super) fn text(&self) -> String {
         let Training { method, evaluations, initial_distance, final_distance, .. } =
             self.model.training();
+        let evaluations = counted(*evaluations, "evaluation");
         let mut text = String::new();
         // Writing to a String cannot fail.
         if self.steps.is_empty() {
@@ -65,9 +68,10 @@ impl Report<'_> {
         row("held out", lessons.held_out().len(), self.held_out_initial, held_out);
         let _ = write!(
             text,
-            "\n{method}: {} edges of {} candidates, {evaluations} evaluations, {:.1} s\n",
-            self.model.edges().edges().len(),
-            lessons.candidates().len(),
+            "\n{method}: {} of {}, {}, {:.1} s\n",
+            counted(self.model.edges().edges().len(), "edge"),
+            counted(lessons.candidates().len(), "candidate"),
+            evaluations,
             self.seconds
         );
         text

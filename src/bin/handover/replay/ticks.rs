@@ -15,7 +15,7 @@ use handover_mesh::statistics::quantile;
 use serde_json::{Value, json};
 
 use crate::files;
-use crate::output::Output;
+use crate::output::{Output, counted};
 use crate::progress::Progress;
 
 /// What became of a recording.
@@ -110,9 +110,10 @@ impl Ticks {
             if reasons.is_empty() { String::new() } else { format!(" ({})", reasons.join(", ")) };
         let Times { median, p99, max } = self.times;
         format!(
-            "{} ticks of {median:.0} us, 1 % longer than {p99:.0} us, none than {max:.0} us; held \
-             at {} frames{reasons}\n",
-            self.count, self.held
+            "{} of {median:.0} us, 1 % longer than {p99:.0} us, none than {max:.0} us; held \
+             at {}{reasons}\n",
+            counted(self.count, "tick"),
+            counted(self.held, "frame")
         )
     }
 }
