@@ -35,7 +35,8 @@ impl Peaks {
     /// - `s`: `y·y` and its derivatives.
     pub(super) fn take(&mut self, y: &Jet, s: &[f64; 4]) {
         self.least = self.least.min(s[0]);
-        for (most, value) in self.squares.iter_mut().zip(y) {
+        self.squares[0] = self.squares[0].max(s[0]);
+        for (most, value) in self.squares[1..].iter_mut().zip(&y[1..]) {
             *most = most.max(value.norm_squared());
         }
         for (most, value) in self.radial.iter_mut().zip(&s[1..]) {

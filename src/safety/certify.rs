@@ -83,14 +83,6 @@ impl Piece {
             Self::Brake(phase) => Moment::Brake(plan.shape().in_phase(phase, part, plan.stop)),
         }
     }
-
-    /// Bounds of a coordinate's fourth and fifth derivative.
-    fn steepest(self, plan: &Plan, at: usize) -> [f64; 2] {
-        match self {
-            Self::Go(lead) => plan.steepest_go(lead, at),
-            Self::Brake(phase) => plan.steepest_brake(phase, at),
-        }
-    }
 }
 
 impl Certifier {
@@ -252,7 +244,14 @@ impl Certifier {
         share: f64,
         most: [f64; 3],
     ) -> Option<u32> {
-        let steepest = |at: usize| piece.steepest(plan, at);
+        let bends = match piece {
+            Piece::Go(_) => [0.0; 2],
+            Piece::Brake(phase) => plan.bends(phase),
+        };
+        let steepest = |at: usize| match piece {
+            Piece::Go(lead) => plan.steepest_go(lead, at),
+            Piece::Brake(_) => plan.steepest_brake(bends, at),
+        };
         self.steepest[chain.base()] = self.peaks[0].of_place(steepest(0), step);
         let mut largest = self.steepest[chain.base()];
         for (at, link) in (1..).zip(chain.links()) {

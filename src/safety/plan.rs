@@ -96,15 +96,22 @@ impl Plan {
     }
 
     /// The same in a phase of the stop.
-    pub(super) fn steepest_brake(&self, phase: usize, at: usize) -> [f64; 2] {
+    ///
+    /// - `bends`: of that phase, as of [`Self::bends`].
+    pub(super) fn steepest_brake(&self, bends: [f64; 2], at: usize) -> [f64; 2] {
         let bend = self.brake[at][2].norm();
+        bends.map(|most| bend * most)
+    }
+
+    /// What `|u″|` is multiplied by at most in `y⁗` and `y⁗′`, in a phase of the stop.
+    pub(super) fn bends(&self, phase: usize) -> [f64; 2] {
         // With σ⁗ = 0, y⁗ = u″ (3 σ″² + 4 σ′ σ‴) and y⁗′ = 10 u″ σ″ σ‴. The former is steepest at
         // the ends, since the latter keeps its sign: σ″ is never above zero.
         let ends = [0.0, 1.0].map(|part| {
             let [_, s1, s2, s3] = self.shape.in_phase(phase, part, self.stop);
             [(3.0 * s2 * s2 + 4.0 * s1 * s3).abs(), 10.0 * (s2 * s3).abs()]
         });
-        [0, 1].map(|order| bend * ends[0][order].max(ends[1][order]))
+        [0, 1].map(|order| ends[0][order].max(ends[1][order]))
     }
 
     /// A coordinate: the base's place, or a bone's direction.
