@@ -108,6 +108,11 @@ impl Fields {
         *target = self.take(key, parse, || format!("one of {}", list())).unwrap_or(*target);
     }
 
+    /// Every key that was asked for, whether or not it is given, in that order.
+    pub(super) fn into_known(self) -> Vec<String> {
+        self.known
+    }
+
     /// All violations, those of unknown keys last; none: nothing is wrong.
     pub(super) fn finish(mut self) -> Vec<Violation> {
         for (key, value) in &self.values {

@@ -33,7 +33,15 @@ impl Scenario {
         }
     }
 
-    /// Every key there is, with its bounds: the one place that knows them.
+    /// Every key a scenario may have, with dots between sections.
+    pub fn keys() -> Vec<String> {
+        let mut fields = Fields::of(&Value::Null);
+        Self::from_fields(&mut fields, "");
+        fields.into_known()
+    }
+
+    /// Every key there is, with its bounds: the one place that knows them. It asks for all of them
+    /// whatever is given, so that [`Self::keys`] and messages have them all.
     fn from_fields(fields: &mut Fields, name: &str) -> Self {
         let about = fields.text("about").unwrap_or_else(|| {
             fields.blame("about", "is missing: what happens, in a sentence");
@@ -89,14 +97,13 @@ fn scene(fields: &mut Fields, seed: Option<u64>) -> SceneConfig {
     for (key, target) in durations {
         fields.number(&format!("scene.timing.{key}"), target);
     }
-    if fields.has("scene.step_in") {
-        let mut step_in = StepIn { distance: 0.4, reach: 0.0, duration: 0.8, stay: 1.0 };
-        fields.number("scene.step_in.distance", &mut step_in.distance);
-        fields.number("scene.step_in.reach", &mut step_in.reach);
-        fields.number("scene.step_in.duration", &mut step_in.duration);
-        fields.number("scene.step_in.stay", &mut step_in.stay);
-        scene.step_in = Some(step_in);
-    }
+    let steps_in = fields.has("scene.step_in");
+    let mut step_in = StepIn { distance: 0.4, reach: 0.0, duration: 0.8, stay: 1.0 };
+    fields.number("scene.step_in.distance", &mut step_in.distance);
+    fields.number("scene.step_in.reach", &mut step_in.reach);
+    fields.number("scene.step_in.duration", &mut step_in.duration);
+    fields.number("scene.step_in.stay", &mut step_in.stay);
+    scene.step_in = steps_in.then_some(step_in);
     fields.number("scene.heading", &mut scene.heading);
     fields.blame_all("scene.", scene.check());
     scene
@@ -143,34 +150,33 @@ fn events(fields: &mut Fields) -> Events {
     if hesitates && withdraws {
         fields.blame("events.withdrawal", "cannot be together with events.hesitation");
     }
-    let mut partner = Change::None;
-    if hesitates {
-        let reach = reach(fields, "events.hesitation");
-        let mut pause = 1.0;
-        fields.float("events.hesitation.pause_s", &mut pause, 0.0, 10.0);
-        partner = Change::Hesitation { reach, pause };
-    }
-    if withdraws {
-        partner = Change::Withdrawal { reach: reach(fields, "events.withdrawal") };
-    }
-    let during = |fields: &mut Fields, section: &str| -> Option<Interval> {
-        fields.has(section).then(|| {
-            let reach = reach(fields, section);
-            let seconds = fields.limit(&format!("{section}.seconds"), 0.0, 100.0);
-            Interval { reach, seconds: seconds.unwrap_or(f64::INFINITY) }
-        })
+    let reach_of_pause = reach(fields, "events.hesitation");
+    let mut pause = 1.0;
+    fields.float("events.hesitation.pause_s", &mut pause, 0.0, 10.0);
+    let reach_of_turn = reach(fields, "events.withdrawal");
+    let partner = match (hesitates, withdraws) {
+        (_, true) => Change::Withdrawal { reach: reach_of_turn },
+        (true, false) => Change::Hesitation { reach: reach_of_pause, pause },
+        (false, false) => Change::None,
     };
-    let occlusion = during(fields, "events.occlusion");
-    let exchange = during(fields, "events.exchange").map(|during| {
-        let mut aside = 1.0;
-        fields.float("events.exchange.aside_m", &mut aside, -5.0, 5.0);
-        let mut has_own_number = false;
-        let numbers = [("same", false), ("other", true)];
-        fields.choice("events.exchange.number", &mut has_own_number, &numbers);
-        Exchange { during, aside, has_own_number }
-    });
-    let silence = during(fields, "events.silence");
+    let occlusion = interval(fields, "events.occlusion");
+    let during = interval(fields, "events.exchange");
+    let mut aside = 1.0;
+    fields.float("events.exchange.aside_m", &mut aside, -5.0, 5.0);
+    let mut has_own_number = false;
+    let numbers = [("same", false), ("other", true)];
+    fields.choice("events.exchange.number", &mut has_own_number, &numbers);
+    let exchange = during.map(|during| Exchange { during, aside, has_own_number });
+    let silence = interval(fields, "events.silence");
     Events { partner, occlusion, exchange, silence }
+}
+
+/// When an event of the sensor is, if its section is given.
+fn interval(fields: &mut Fields, section: &str) -> Option<Interval> {
+    let happens = fields.has(section);
+    let reach = reach(fields, section);
+    let seconds = fields.limit(&format!("{section}.seconds"), 0.0, 100.0);
+    happens.then(|| Interval { reach, seconds: seconds.unwrap_or(f64::INFINITY) })
 }
 
 fn reach(fields: &mut Fields, section: &str) -> f64 {

@@ -1,0 +1,147 @@
+//! Scenario files: docs/scenario.md has every key with its true default and range, every figure and
+//! every reason to hold, and an example that runs.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
+
+use std::collections::BTreeSet;
+use std::f64::consts::PI;
+use std::process::{Command, Output};
+
+use handover_mesh::Config;
+use handover_mesh::safety::HoldReason;
+use handover_sim::closed_loop::{Learnt, Outcome};
+use handover_sim::scenario::{Figure, Scenario};
+use serde_json::{Map, Value, json};
+
+const DOC: &str = include_str!("../../docs/scenario.md");
+
+/// The rows of the table whose head begins with `head`, as trimmed cells.
+fn rows(head: &str) -> Vec<Vec<&'static str>> {
+    let lines = DOC.lines().skip_while(|line| !line.starts_with(&format!("| {head} |")));
+    let rows = lines.skip(2).take_while(|line| line.starts_with('|'));
+    rows.map(|row| row.trim_matches('|').split('|').map(str::trim).collect()).collect()
+}
+
+/// What stands in the first cell of each row.
+fn named(head: &str) -> Vec<&'static str> {
+    rows(head).iter().map(|row| row[0].trim_matches('`')).collect()
+}
+
+/// Both hold the same names, none twice.
+#[track_caller]
+fn check_names(written: &[&str], there: impl IntoIterator<Item = String>) {
+    let names: BTreeSet<String> = written.iter().map(|name| (*name).to_owned()).collect();
+    assert_eq!(names, there.into_iter().collect());
+    assert_eq!(names.len(), written.len());
+}
+
+#[test]
+fn every_key_figure_and_reason_has_its_line() {
+    let bounds = Figure::ALL
+        .iter()
+        .flat_map(|figure| ["most", "least"].map(|end| format!("bounds.{}_{end}", figure.key())));
+    let bounds: BTreeSet<String> = bounds.collect();
+    let keys = Scenario::keys();
+    assert!(bounds.iter().all(|bound| keys.contains(bound)));
+    let keys = keys.into_iter().filter(|key| !bounds.contains(key));
+    let patterns = ["bounds.FIGURE_most", "bounds.FIGURE_least"].map(str::to_owned);
+    check_names(&named("key"), keys.chain(patterns));
+    check_names(&named("figure"), Figure::ALL.iter().map(|figure| figure.key().to_owned()));
+    check_names(&named("reason"), HoldReason::ALL.iter().map(|reason| reason.name().to_owned()));
+}
+
+/// A scenario with one key given, and what else its section needs.
+fn with(key: &str, value: Option<Value>) -> Value {
+    let mut file = json!({"about": "x", "bounds": {"held_share_most": 1}});
+    let mut set = |key: &str, value: Value| {
+        let (sections, name) = key.rsplit_once('.').unwrap_or(("", key));
+        let sections = sections.split('.').filter(|section| !section.is_empty());
+        let section = sections.fold(&mut file, |map, section| {
+            let map = map.as_object_mut().unwrap();
+            map.entry(section).or_insert_with(|| Value::Object(Map::new()))
+        });
+        section[name] = value;
+    };
+    let section = key.rsplit_once('.').map_or("", |(section, _)| section);
+    match section {
+        "scene.step_in" if key.ends_with("stay") => set("scene.step_in.distance", json!(0.4)),
+        "scene.step_in" => set("scene.step_in.stay", json!(1)),
+        "events.hesitation" => set("events.hesitation.pause_s", json!(1)),
+        "events.withdrawal" => set("events.withdrawal.reach", json!(0.5)),
+        section if section.starts_with("events.") => set(&format!("{section}.seconds"), json!(1)),
+        _ => {}
+    }
+    if let Some(value) = value {
+        set(key, value);
+    }
+    file
+}
+
+fn read(file: &Value) -> Result<Scenario, String> {
+    Scenario::from_yaml("x.yaml", "x", &file.to_string()).map_err(|error| error.to_string())
+}
+
+/// `-0.5`, `π`, `2π`.
+fn number(text: &str) -> Option<f64> {
+    match text {
+        "2π" => Some(2.0 * PI),
+        "π" => Some(PI),
+        "-π" => Some(-PI),
+        text => text.parse().ok(),
+    }
+}
+
+#[test]
+fn ranges_and_defaults_are_as_written() {
+    let (mut ranges, mut defaults) = (0, 0);
+    for row in rows("key") {
+        let [key, default, range] = [0, 1, 2].map(|at| row[at].trim_matches('`'));
+        if key.contains("FIGURE") {
+            continue;
+        }
+        if let Some((low, high)) = range.split_once(" to ") {
+            ranges += 1;
+            let [low, high] = [low, high].map(|bound| number(bound).unwrap());
+            for (value, is_in) in
+                [(low, true), (high, true), (low - 0.01, false), (high + 0.01, false)]
+            {
+                let problem = read(&with(key, Some(json!(value)))).err().unwrap_or_default();
+                let blamed = format!("x.yaml: {key} is ");
+                assert_eq!(!problem.contains(&blamed), is_in, "{key}: {value}: {problem}");
+            }
+        }
+        let default = default.trim_end_matches("\\*");
+        let is_choice = range.split(", ").any(|choice| choice == default);
+        let value = match number(default) {
+            Some(number) => json!(number),
+            None if is_choice => json!(default),
+            None => continue,
+        };
+        // Rates are whole numbers.
+        let value = if key == "tick_hz" { json!(30) } else { value };
+        defaults += 1;
+        let [given, left_out] = [Some(value), None].map(|value| read(&with(key, value)).unwrap());
+        assert_eq!(given, left_out, "{key}");
+    }
+    assert!(ranges > 50 && defaults > 50, "{ranges} ranges, {defaults} defaults");
+}
+
+#[test]
+fn the_example_is_complete_and_runs() {
+    let from = DOC.find("```yaml\n").unwrap() + "```yaml\n".len();
+    let text = &DOC[from..][..DOC[from..].find("```").unwrap()];
+    let scenario = Scenario::from_yaml("example.yaml", "example", text).unwrap();
+    let learnt = Learnt::new(Learnt::DEMONSTRATIONS, &Config::default()).unwrap();
+    let outcome = Outcome::run(&scenario, &learnt).unwrap();
+    assert!(outcome.is_held(), "{:#?}", outcome.verdicts);
+}
+
+fn command(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_handover_sim")).args(arguments).output().unwrap()
+}
+
+#[test]
+fn the_help_names_the_doc() {
+    let help = command(&["run", "--help"]);
+    assert!(String::from_utf8_lossy(&help.stdout).contains("docs/scenario.md"));
+}
