@@ -145,3 +145,38 @@ fn the_help_names_the_doc() {
     let help = command(&["run", "--help"]);
     assert!(String::from_utf8_lossy(&help.stdout).contains("docs/scenario.md"));
 }
+
+/// What is wrong with a scenario beside a bound and what it is about, a line each.
+#[track_caller]
+fn check_problems(text: &str, expected: &[&str]) {
+    let text = format!("about: x\nbounds: {{held_share_most: 1}}\n{text}");
+    check_all_problems(&text, expected);
+}
+
+#[track_caller]
+fn check_all_problems(text: &str, expected: &[&str]) {
+    let error = Scenario::from_yaml("x.yaml", "x", text).unwrap_err().to_string();
+    let lines: Vec<&str> = error.lines().collect();
+    let expected: Vec<String> = expected.iter().map(|line| format!("x.yaml: {line}")).collect();
+    assert_eq!(lines, expected);
+}
+
+#[test]
+fn what_is_unknown_is_named_once_with_what_there_is_beside_it() {
+    check_problems(
+        "events: {oclusion: {reach: 0.2, seconds: 1}}",
+        &[
+            "events.oclusion is unknown: there is only hesitation, withdrawal, occlusion, exchange, \
+           silence",
+        ],
+    );
+    let occlusion = "events: {occlusion: {seconds: 1, rech: 0.2}}";
+    check_problems(occlusion, &["events.occlusion.rech is unknown: there is only reach, seconds"]);
+    let top =
+        "is unknown: there is only about, scene, robot, sensor, events, tick_hz, after_s, bounds";
+    let lines = ["event", "tick"].map(|key| format!("{key} {top}"));
+    check_problems(
+        "event: {occlusion: {reach: 1}}\ntick: 3",
+        &lines.each_ref().map(|l| l.as_str()),
+    );
+}

@@ -115,28 +115,35 @@ impl Fields {
 
     /// All violations, those of unknown keys last; none: nothing is wrong.
     pub(super) fn finish(mut self) -> Vec<Violation> {
+        // Once for each, however much is below it.
+        let mut unknown = BTreeMap::new();
         for (key, value) in &self.values {
-            let problem = format!("is {value}, but there is only {}", self.siblings(key));
-            self.violations.push(Violation { key: key.clone(), problem });
+            let outermost = self.outermost_unknown(key);
+            let (section, _) = outermost.rsplit_once('.').unwrap_or(("", outermost));
+            let problem = format!("is unknown: there is only {}", self.names(section).join(", "));
+            unknown.insert(outermost.to_owned(), problem);
         }
+        let unknown = unknown.into_iter().map(|(key, problem)| Violation { key, problem });
+        self.violations.extend(unknown);
         self.violations
     }
 
-    /// What there is in the innermost section of a key that has anything known in it.
-    fn siblings(&self, key: &str) -> String {
-        let mut section = key;
-        loop {
-            section = section.rsplit_once('.').map_or("", |(section, _)| section);
-            let below = self.known.iter().filter_map(|known| match section {
-                "" => Some(known.as_str()),
-                section => known.strip_prefix(section)?.strip_prefix('.'),
-            });
-            let mut names: Vec<&str> = below.filter_map(|name| name.split('.').next()).collect();
-            names.dedup();
-            if !names.is_empty() || section.is_empty() {
-                return names.join(", ");
-            }
-        }
+    /// A key, or the section around it that is unknown, if one is.
+    fn outermost_unknown<'a>(&self, key: &'a str) -> &'a str {
+        let ends = key.match_indices('.').map(|(at, _)| at);
+        let mut sections = ends.map(|at| &key[..at]);
+        sections.find(|section| self.names(section).is_empty()).unwrap_or(key)
+    }
+
+    /// What may stand in a section, in the order it was asked for.
+    fn names(&self, section: &str) -> Vec<&str> {
+        let below = self.known.iter().filter_map(|known| match section {
+            "" => Some(known.as_str()),
+            section => known.strip_prefix(section)?.strip_prefix('.'),
+        });
+        let mut names: Vec<&str> = below.filter_map(|name| name.split('.').next()).collect();
+        names.dedup();
+        names
     }
 }
 
