@@ -355,7 +355,7 @@ fn bad_scenarios_are_refused_with_all_that_is_wrong() {
         "sensor.kind is \"radar\", must be one of ideal, kinect",
         "sensor.rate is 1000, must be in [5, 120] Hz",
         "events.withdrawal.reach is 9, must be a number from -2 to 4",
-        "events.silence is unknown: there is only",
+        "events.silence is {}, must be a map of reach, seconds",
         "tick_hz is 50, must be one of 30, 100, 1000",
         "robot.lag_s is -1, must be a number from 0 to 1",
         "bounds.gap_cm_most cannot hold: who withdraws makes no contact",

@@ -180,3 +180,59 @@ fn what_is_unknown_is_named_once_with_what_there_is_beside_it() {
         &lines.each_ref().map(|l| l.as_str()),
     );
 }
+
+#[test]
+fn a_wrong_type_is_told_once_with_what_it_must_be() {
+    check_problems(
+        "scene: {meeting_shift: 0.1}",
+        &["scene.meeting_shift is 0.1, must be a map of x, y, z"],
+    );
+    check_problems(
+        "scene: 7",
+        &["scene is 7, must be a map of seed, giver, receiver, distance, gap, suit_receiver, \
+         meeting_shift, timing, step_in, heading"],
+    );
+    check_problems(
+        "events: {occlusion: {}, silence: }",
+        &[
+            "events.occlusion is {}, must be a map of reach, seconds",
+            "events.silence is null, must be a map of reach, seconds",
+        ],
+    );
+    check_problems(
+        "tick_hz: {a: 1, b: 2}",
+        &["tick_hz is {\"a\":1,\"b\":2}, must be one of 30, 100, 1000"],
+    );
+    check_problems(
+        "robot: {stature: [1, 2]}",
+        &["robot.stature is [1,2], must be a number from 1.2 to 2.2"],
+    );
+    check_all_problems(
+        "about: 5\nbounds: {gap_cm_most: high, gap_cm_best: 3}",
+        &[
+            "about is 5, must be text",
+            "bounds.gap_cm_most is \"high\", must be a number from -1000000 to 1000000",
+            &format!("bounds.gap_cm_best is unknown: there is only {}", bounds().join(", ")),
+        ],
+    );
+    check_all_problems(
+        "about: {a: b}\nbounds: 7",
+        &[
+            "about is {\"a\":\"b\"}, must be text",
+            &format!("bounds is 7, must be a map of {}", bounds().join(", ")),
+        ],
+    );
+    check_all_problems("about: x", &["bounds are missing: a trial that cannot fail shows nothing"]);
+    for text in ["", "# nothing\n", "{}"] {
+        check_all_problems(text, &["is empty: about and bounds are needed"]);
+    }
+    for text in ["7", "[about, bounds]"] {
+        check_all_problems(text, &["must be a map of keys and values, such as about: and bounds:"]);
+    }
+}
+
+/// All names below `bounds`.
+fn bounds() -> Vec<String> {
+    let keys = Scenario::keys().into_iter();
+    keys.filter_map(|key| key.strip_prefix("bounds.").map(str::to_owned)).collect()
+}

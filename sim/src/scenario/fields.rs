@@ -15,7 +15,8 @@ pub(super) struct Fields {
 }
 
 impl Fields {
-    /// Nested maps → dotted keys. An empty map stays a value, so that nobody takes it for nothing.
+    /// Nested maps → dotted keys. An empty map stays a value: it is said to be one, not taken for
+    /// nothing.
     pub(super) fn of(file: &Value) -> Self {
         let mut values = BTreeMap::new();
         flatten("", file, &mut values);
@@ -29,6 +30,15 @@ impl Fields {
         self.values.contains_key(section) || self.values.keys().any(below)
     }
 
+    /// Whether something was found wrong with a section or a key in it, or nobody took it.
+    pub(super) fn is_faulty(&self, section: &str) -> bool {
+        let is_within = |key: &str| {
+            key.strip_prefix(section).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+        };
+        self.violations.iter().any(|violation| is_within(&violation.key))
+            || self.values.keys().any(|key| is_within(key))
+    }
+
     /// The value under a key, if it is there and `parse` takes it; else remembers the bound.
     fn take<T>(
         &mut self,
@@ -37,12 +47,25 @@ impl Fields {
         bound: impl FnOnce() -> String,
     ) -> Option<T> {
         self.known.push(key.to_owned());
-        let value = self.values.remove(key)?;
+        let value = self.values.remove(key).or_else(|| self.remove_below(key))?;
         let parsed = parse(&value);
         if parsed.is_none() {
             self.blame(key, format!("is {value}, must be {}", bound()));
         }
         parsed
+    }
+
+    /// The map that stands where a value should, if one does: nobody is to ask for what is in it.
+    fn remove_below(&mut self, key: &str) -> Option<Value> {
+        let mut map = serde_json::Map::new();
+        self.values.retain(|given, value| {
+            let name = given.strip_prefix(key).and_then(|rest| rest.strip_prefix('.'));
+            if let Some(name) = name {
+                map.insert(name.to_owned(), value.take());
+            }
+            name.is_none()
+        });
+        (!map.is_empty()).then_some(Value::Object(map))
     }
 
     /// Remembers what is wrong with a key.
@@ -118,6 +141,12 @@ impl Fields {
         // Once for each, however much is below it.
         let mut unknown = BTreeMap::new();
         for (key, value) in &self.values {
+            let within = self.names(key);
+            if !within.is_empty() {
+                let problem = format!("is {value}, must be a map of {}", within.join(", "));
+                unknown.insert(key.clone(), problem);
+                continue;
+            }
             let outermost = self.outermost_unknown(key);
             let (section, _) = outermost.rsplit_once('.').unwrap_or(("", outermost));
             let problem = format!("is unknown: there is only {}", self.names(section).join(", "));

@@ -134,6 +134,18 @@ pub enum ScenarioError {
         /// What the reader says.
         problem: String,
     },
+    /// The text holds nothing.
+    #[error("{file}: is empty: about and bounds are needed")]
+    Empty {
+        /// Its file.
+        file: String,
+    },
+    /// The text is YAML, but not a map.
+    #[error("{file}: must be a map of keys and values, such as about: and bounds:")]
+    NoMap {
+        /// Its file.
+        file: String,
+    },
     /// Keys, types or values, all of them.
     #[error("{}", lines(.file, .violations))]
     Violations {

@@ -25,6 +25,13 @@ impl Scenario {
             file: file.to_owned(),
             problem: error.to_string(),
         })?;
+        let is_blank = parsed.as_object().map_or(parsed.is_null(), serde_json::Map::is_empty);
+        if is_blank {
+            return Err(ScenarioError::Empty { file: file.to_owned() });
+        }
+        if !parsed.is_object() {
+            return Err(ScenarioError::NoMap { file: file.to_owned() });
+        }
         let mut fields = Fields::of(&parsed);
         let scenario = Self::from_fields(&mut fields, name);
         match fields.finish() {
@@ -43,10 +50,10 @@ impl Scenario {
     /// Every key there is, with its bounds: the one place that knows them. It asks for all of them
     /// whatever is given, so that [`Self::keys`] and messages have them all.
     fn from_fields(fields: &mut Fields, name: &str) -> Self {
-        let about = fields.text("about").unwrap_or_else(|| {
+        if !fields.has("about") {
             fields.blame("about", "is missing: what happens, in a sentence");
-            String::new()
-        });
+        }
+        let about = fields.text("about").unwrap_or_default();
         let seed = fields.whole("scene.seed");
         let scene = scene(fields, seed);
         let mut robot = Robot { stature: scene.giver.stature, lag: 0.05, speed: 2.0 };
