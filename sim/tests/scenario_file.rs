@@ -171,7 +171,7 @@ fn what_is_unknown_is_named_once_with_what_there_is_beside_it() {
         ],
     );
     let occlusion = "events: {occlusion: {seconds: 1, rech: 0.2}}";
-    check_problems(occlusion, &["events.occlusion.rech is unknown: there is only reach, seconds"]);
+    check_problems(occlusion, &["events.occlusion.rech is unknown: there is only seconds, reach"]);
     let top =
         "is unknown: there is only about, scene, robot, sensor, events, tick_hz, after_s, bounds";
     let lines = ["event", "tick"].map(|key| format!("{key} {top}"));
@@ -195,8 +195,8 @@ fn a_wrong_type_is_told_once_with_what_it_must_be() {
     check_problems(
         "events: {occlusion: {}, silence: }",
         &[
-            "events.occlusion is {}, must be a map of reach, seconds",
-            "events.silence is null, must be a map of reach, seconds",
+            "events.occlusion is {}, must be a map of seconds, reach",
+            "events.silence is null, must be a map of seconds, reach",
         ],
     );
     check_problems(
@@ -235,4 +235,27 @@ fn a_wrong_type_is_told_once_with_what_it_must_be() {
 fn bounds() -> Vec<String> {
     let keys = Scenario::keys().into_iter();
     keys.filter_map(|key| key.strip_prefix("bounds.").map(str::to_owned)).collect()
+}
+
+#[test]
+fn an_event_has_to_say_how_long_it_lasts() {
+    let events = "events: {hesitation: {reach: 0.3}, occlusion: {reach: 0.3}, silence: {reach: 0.3},\n\
+                  \x20 exchange: {aside_m: 2}}";
+    let needed = "is missing, must be a number from 0 to";
+    check_problems(
+        events,
+        &[
+            &format!("events.hesitation.pause_s {needed} 10"),
+            &format!("events.occlusion.seconds {needed} 100, or for_good"),
+            &format!("events.exchange.seconds {needed} 100, or for_good"),
+            &format!("events.silence.seconds {needed} 100, or for_good"),
+        ],
+    );
+    check_problems(
+        "events: {occlusion: {seconds: long}}",
+        &["events.occlusion.seconds is \"long\", must be a number from 0 to 100, or for_good"],
+    );
+    let mut file = with("events.silence.reach", None);
+    file["events"]["silence"]["seconds"] = json!("for_good");
+    assert_eq!(read(&file).unwrap().events.silence.unwrap().seconds, f64::INFINITY);
 }

@@ -98,6 +98,24 @@ impl Fields {
         self.take(key, parse, || format!("a number from {low} to {high}"))
     }
 
+    /// How long something lasts `[s]`, from 0 to `most`: needed wherever its section is a map.
+    ///
+    /// - `for_good`: whether the text `for_good` may stand for what does not end.
+    pub(super) fn duration(&mut self, key: &str, most: f64, for_good: bool) -> Option<f64> {
+        let section = key.rsplit_once('.').map_or("", |(section, _)| section);
+        let is_map = self.has(section) && !self.values.contains_key(section);
+        let alternative = if for_good { ", or for_good" } else { "" };
+        let bound = format!("a number from 0 to {most}{alternative}");
+        if is_map && !self.has(key) {
+            self.blame(key, format!("is missing, must be {bound}"));
+        }
+        let parse = |value: &Value| match value.as_str() {
+            Some("for_good") if for_good => Some(f64::INFINITY),
+            _ => value.as_f64().filter(|number| (0.0..=most).contains(number)),
+        };
+        self.take(key, parse, || bound)
+    }
+
     /// A whole number ≥ 0 that may be absent.
     pub(super) fn whole(&mut self, key: &str) -> Option<u64> {
         self.take(key, Value::as_u64, || "a whole number ≥ 0".to_owned())

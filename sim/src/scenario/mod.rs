@@ -10,8 +10,9 @@
 //! bounds: {gap_cm_most: 8, held_share_most: 0.2}
 //! ```
 //!
-//! Every key but `about` and `bounds` has a default. Whatever is wrong is reported together: the
-//! file, the key, the value, the bound. Text in, values out: opens no file.
+//! Every key but `about`, `bounds` and how long an event lasts has a default: docs/scenario.md has all
+//! of them. Whatever is wrong is reported together: the file, the key, the value, the bound. Text in,
+//! values out: opens no file.
 
 mod bounds;
 mod fields;

@@ -157,9 +157,9 @@ fn events(fields: &mut Fields) -> Events {
     if hesitates && withdraws {
         fields.blame("events.withdrawal", "cannot be together with events.hesitation");
     }
+    // Durations first: they are missing only where something else of their event is still there.
+    let pause = fields.duration("events.hesitation.pause_s", 10.0, false).unwrap_or_default();
     let reach_of_pause = reach(fields, "events.hesitation");
-    let mut pause = 1.0;
-    fields.float("events.hesitation.pause_s", &mut pause, 0.0, 10.0);
     let reach_of_turn = reach(fields, "events.withdrawal");
     let partner = match (hesitates, withdraws) {
         (_, true) => Change::Withdrawal { reach: reach_of_turn },
@@ -181,9 +181,9 @@ fn events(fields: &mut Fields) -> Events {
 /// When an event of the sensor is, if its section is given.
 fn interval(fields: &mut Fields, section: &str) -> Option<Interval> {
     let happens = fields.has(section);
+    let seconds = fields.duration(&format!("{section}.seconds"), 100.0, true).unwrap_or_default();
     let reach = reach(fields, section);
-    let seconds = fields.limit(&format!("{section}.seconds"), 0.0, 100.0);
-    happens.then(|| Interval { reach, seconds: seconds.unwrap_or(f64::INFINITY) })
+    happens.then_some(Interval { reach, seconds })
 }
 
 fn reach(fields: &mut Fields, section: &str) -> f64 {
