@@ -5,6 +5,7 @@ use std::fs;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use handover_mesh::Config;
@@ -15,6 +16,9 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use crate::complain;
+
+/// The elapsed time moves while nothing else does.
+const TEMPLATE: &str = "{bar:40} {pos}/{len} {msg} ({elapsed})";
 
 #[derive(clap::Args)]
 pub(crate) struct Run {
@@ -117,12 +121,14 @@ fn read(file: &Path) -> Result<Scenario> {
 /// Whether every bound held.
 fn play(arguments: &Run, config: &Config, scenarios: &[Scenario]) -> Result<bool> {
     let bar = progress_bar(arguments, scenarios.len() as u64 + 1);
+    learning(&bar, arguments.demonstrations);
     // 0 lets rayon take one for each core.
     let threads = arguments.jobs.map_or(0, usize::from);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
     let outcomes: Vec<Outcome> = pool.install(|| {
         let learnt = Learnt::new(arguments.demonstrations, config)?;
         bar.inc(1);
+        bar.set_message("learned and played");
         let played = scenarios.par_iter().map(|scenario| {
             let outcome = Outcome::run(scenario, &learnt);
             bar.inc(1);
@@ -190,8 +196,27 @@ fn progress_bar(arguments: &Run, length: u64) -> ProgressBar {
         return ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
     }
     let bar = ProgressBar::new(length);
-    match ProgressStyle::with_template("{bar:40} {pos}/{len} learned and played") {
+    match ProgressStyle::with_template(TEMPLATE) {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
+    }
+}
+
+/// Shows the bar from the start, and that it is alive: of many demonstrations, learning takes minutes.
+fn learning(bar: &ProgressBar, demonstrations: u64) {
+    bar.set_message(format!("learning from {demonstrations} demonstrations"));
+    bar.enable_steady_tick(Duration::from_millis(500));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn while_learning_the_bar_says_so() {
+        let bar = ProgressBar::hidden();
+        learning(&bar, 1000);
+        assert_eq!(bar.message(), "learning from 1000 demonstrations");
+        assert!(ProgressStyle::with_template(TEMPLATE).is_ok() && TEMPLATE.contains("{msg}"));
     }
 }
