@@ -259,3 +259,24 @@ fn an_event_has_to_say_how_long_it_lasts() {
     file["events"]["silence"]["seconds"] = json!("for_good");
     assert_eq!(read(&file).unwrap().events.silence.unwrap().seconds, f64::INFINITY);
 }
+
+#[test]
+fn what_yaml_allows_and_a_scenario_does_not_is_told_with_its_line_or_key() {
+    check_all_problems("about: x\nscene: {seed: 5}\nabout: y\n", &["line 3: about is given twice"]);
+    check_all_problems(
+        "about: x\nscene:\n  gap: 0.1\n  seed: 5\n  gap: 0.2\n",
+        &["line 5: gap is given twice"],
+    );
+    check_all_problems(
+        "about: x\n---\nabout: y\n",
+        &["line 3: a second document begins; a file holds one scenario"],
+    );
+    check_problems(
+        "scene: {gap: .nan}\nafter_s: .inf\nrobot: {lag_s: 1e999}",
+        &[
+            "scene.gap is \".nan\", must be a number",
+            "robot.lag_s is \".inf\", must be a number from 0 to 1",
+            "after_s is \".inf\", must be a number from 0 to 10",
+        ],
+    );
+}

@@ -135,6 +135,24 @@ pub enum ScenarioError {
         /// What the reader says.
         problem: String,
     },
+    /// A key is there twice in one map.
+    #[error("{file}: line {line}: {key} is given twice")]
+    Twice {
+        /// Its file.
+        file: String,
+        /// Where it is the second time, from 1.
+        line: u64,
+        /// The key, without the sections around it.
+        key: String,
+    },
+    /// A second document begins.
+    #[error("{file}: line {line}: a second document begins; a file holds one scenario")]
+    Documents {
+        /// Its file.
+        file: String,
+        /// Where, from 1.
+        line: u64,
+    },
     /// The text holds nothing.
     #[error("{file}: is empty: about and bounds are needed")]
     Empty {

@@ -4,6 +4,7 @@ use handover_mesh::{Role, Side};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
+use serde_saphyr::NonFiniteFloatPolicy;
 
 use super::fields::Fields;
 use super::{Bounds, Change, Events, Exchange, Interval, Robot, Scenario, ScenarioError};
@@ -21,10 +22,12 @@ impl Scenario {
     /// # Errors
     /// [`ScenarioError`] with every unknown key, wrong type and value out of range.
     pub fn from_yaml(file: &str, name: &str, yaml: &str) -> Result<Self, ScenarioError> {
-        let parsed: Value = serde_saphyr::from_str(yaml).map_err(|error| ScenarioError::Yaml {
-            file: file.to_owned(),
-            problem: error.to_string(),
-        })?;
+        // As text, .nan is a value like any other, and refused with its key.
+        let options = serde_saphyr::options! {
+            non_finite_float_policy: NonFiniteFloatPolicy::AsString,
+        };
+        let parsed: Value = serde_saphyr::from_str_with_options(yaml, options)
+            .map_err(|error| unreadable(file, &error))?;
         let is_blank = parsed.as_object().map_or(parsed.is_null(), serde_json::Map::is_empty);
         if is_blank {
             return Err(ScenarioError::Empty { file: file.to_owned() });
@@ -69,6 +72,22 @@ impl Scenario {
         let bounds = Bounds::from_fields(fields, events.partner);
         let (name, seed) = (name.to_owned(), seed.unwrap_or(0));
         Self { name, about, seed, scene, sensor, latency, events, tick_rate, robot, after, bounds }
+    }
+}
+
+/// What the reader says, without what it says to programmers where people can do it.
+fn unreadable(file: &str, error: &serde_saphyr::Error) -> ScenarioError {
+    let file = file.to_owned();
+    match error.without_snippet() {
+        serde_saphyr::Error::DuplicateMappingKey { key, location } => ScenarioError::Twice {
+            file,
+            line: location.line(),
+            key: key.clone().unwrap_or_else(|| "a key".to_owned()),
+        },
+        serde_saphyr::Error::MultipleDocuments { location, .. } => {
+            ScenarioError::Documents { file, line: location.line() }
+        }
+        _ => ScenarioError::Yaml { file, problem: error.to_string() },
     }
 }
 
