@@ -153,20 +153,28 @@ fn play(arguments: &Run, config: &Config, scenarios: &[Scenario]) -> Result<bool
     if !arguments.quiet {
         let missed = outcomes.iter().flat_map(|outcome| &outcome.verdicts);
         let missed = missed.filter(|verdict| !verdict.is_held).count();
-        writeln!(std::io::stderr(), "{} scenarios, {missed} bounds missed", outcomes.len())?;
+        let counts = [counted(outcomes.len(), "scenario"), counted(missed, "bound")];
+        writeln!(std::io::stderr(), "{} missed", counts.join(", "))?;
     }
     Ok(is_held)
 }
 
-/// One row per bound: what was found, what had to be, and whether it was.
+/// `1 bound`, `2 bounds`.
+fn counted(count: usize, what: &str) -> String {
+    let ending = if count == 1 { "" } else { "s" };
+    format!("{count} {what}{ending}")
+}
+
+/// One row per bound: what was found, what had to be, and whether it was; then the other figures.
 fn table(outcomes: &[Outcome]) -> String {
     let mut text = String::new();
     for outcome in outcomes {
         let _ = writeln!(text, "{}: {}", outcome.name, outcome.about);
+        let _ = writeln!(text, "  {:<28} {:>12}   bound", "figure", "value");
         for verdict in &outcome.verdicts {
-            let held = if verdict.is_held { "" } else { "  MISSED" };
+            let held = if verdict.is_held { "ok" } else { "MISSED" };
             let (value, bound) = (shown(&verdict.value), shown(&verdict.bound));
-            let _ = writeln!(text, "  {:<28} {value:>12}   {bound}{held}", verdict.key);
+            let _ = writeln!(text, "  {:<28} {value:>12}   {bound:<18} {held}", verdict.key);
         }
         let bounded: Vec<&str> = outcome.verdicts.iter().map(|v| v.key.as_str()).collect();
         for (figure, value) in &outcome.figures {
@@ -211,6 +219,12 @@ fn learning(bar: &ProgressBar, demonstrations: u64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn one_of_a_kind_is_no_plural() {
+        let counts = [0, 1, 2].map(|count| counted(count, "bound"));
+        assert_eq!(counts, ["0 bounds", "1 bound", "2 bounds"]);
+    }
 
     #[test]
     fn while_learning_the_bar_says_so() {

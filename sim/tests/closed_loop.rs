@@ -332,7 +332,7 @@ fn the_command_says_what_was_missed_by_table_and_exit_code() {
     let table = String::from_utf8_lossy(&output.stdout).into_owned();
     assert_eq!(output.status.code(), Some(1), "{table}");
     assert!(table.contains("gap_cm_most") && table.contains("MISSED"), "{table}");
-    assert!(String::from_utf8_lossy(&output.stderr).contains("1 bounds missed"));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("1 scenario, 1 bound missed"));
 }
 
 #[test]

@@ -5,6 +5,8 @@
 
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
+use std::fs;
+use std::path::Path;
 use std::process::{Command, Output};
 
 use handover_mesh::Config;
@@ -279,4 +281,21 @@ fn what_yaml_allows_and_a_scenario_does_not_is_told_with_its_line_or_key() {
             "after_s is \".inf\", must be a number from 0 to 10",
         ],
     );
+}
+
+#[test]
+fn the_table_has_a_head_and_marks_every_bound() {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("marks.yaml");
+    let text = "about: Two bounds.\nbounds: {held_share_most: 1, speed_m_s_most: 0}\n";
+    fs::write(&path, text).unwrap();
+    let run = command(&["run", path.to_str().unwrap(), "--demonstrations=2"]);
+    let table = String::from_utf8_lossy(&run.stdout).into_owned();
+    let rows: Vec<Vec<&str>> = table.lines().map(|row| row.split_whitespace().collect()).collect();
+    assert_eq!(rows[0].join(" "), "marks: Two bounds.");
+    assert_eq!(rows[1], ["figure", "value", "bound"]);
+    let marks = [2, 3].map(|row: usize| [rows[row][0], rows[row][2], rows[row][3]]);
+    assert_eq!(marks, [["held_share_most", "1.000", "ok"], ["speed_m_s_most", "0.000", "MISSED"]]);
+    // What is not bounded has a value alone.
+    assert!(rows.len() > 10 && rows[4..].iter().all(|row| row.len() == 2), "{table}");
+    assert_eq!(String::from_utf8_lossy(&run.stderr), "1 scenario, 1 bound missed\n");
 }
