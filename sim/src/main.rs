@@ -29,7 +29,8 @@ enum Command {
     ///
     /// The robot takes the giver's place and has learned from made-up handovers of another seed.
     /// Exit code 0 if every bound holds, 1 if one is missed, 2 if a scenario cannot be read: then
-    /// nothing is played, and all that is wrong is said at once.
+    /// nothing is played, and all that is wrong is said at once. docs/scenario.md explains every key
+    /// of a scenario and every figure.
     Run(run::Run),
 }
 

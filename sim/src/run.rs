@@ -5,6 +5,7 @@ use std::fs;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
 
 use anyhow::{Context, Result, bail};
 use handover_mesh::Config;
@@ -15,6 +16,9 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use crate::complain;
+
+/// The elapsed time moves while nothing else does.
+const TEMPLATE: &str = "{bar:40} {pos}/{len} {msg} ({elapsed})";
 
 #[derive(clap::Args)]
 pub(crate) struct Run {
@@ -117,12 +121,14 @@ fn read(file: &Path) -> Result<Scenario> {
 /// Whether every bound held.
 fn play(arguments: &Run, config: &Config, scenarios: &[Scenario]) -> Result<bool> {
     let bar = progress_bar(arguments, scenarios.len() as u64 + 1);
+    learning(&bar, arguments.demonstrations);
     // 0 lets rayon take one for each core.
     let threads = arguments.jobs.map_or(0, usize::from);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
     let outcomes: Vec<Outcome> = pool.install(|| {
         let learnt = Learnt::new(arguments.demonstrations, config)?;
         bar.inc(1);
+        bar.set_message("learned and played");
         let played = scenarios.par_iter().map(|scenario| {
             let outcome = Outcome::run(scenario, &learnt);
             bar.inc(1);
@@ -147,20 +153,28 @@ fn play(arguments: &Run, config: &Config, scenarios: &[Scenario]) -> Result<bool
     if !arguments.quiet {
         let missed = outcomes.iter().flat_map(|outcome| &outcome.verdicts);
         let missed = missed.filter(|verdict| !verdict.is_held).count();
-        writeln!(std::io::stderr(), "{} scenarios, {missed} bounds missed", outcomes.len())?;
+        let counts = [counted(outcomes.len(), "scenario"), counted(missed, "bound")];
+        writeln!(std::io::stderr(), "{} missed", counts.join(", "))?;
     }
     Ok(is_held)
 }
 
-/// One row per bound: what was found, what had to be, and whether it was.
+/// `1 bound`, `2 bounds`.
+fn counted(count: usize, what: &str) -> String {
+    let ending = if count == 1 { "" } else { "s" };
+    format!("{count} {what}{ending}")
+}
+
+/// One row per bound: what was found, what had to be, and whether it was; then the other figures.
 fn table(outcomes: &[Outcome]) -> String {
     let mut text = String::new();
     for outcome in outcomes {
         let _ = writeln!(text, "{}: {}", outcome.name, outcome.about);
+        let _ = writeln!(text, "  {:<28} {:>12}   bound", "figure", "value");
         for verdict in &outcome.verdicts {
-            let held = if verdict.is_held { "" } else { "  MISSED" };
+            let held = if verdict.is_held { "ok" } else { "MISSED" };
             let (value, bound) = (shown(&verdict.value), shown(&verdict.bound));
-            let _ = writeln!(text, "  {:<28} {value:>12}   {bound}{held}", verdict.key);
+            let _ = writeln!(text, "  {:<28} {value:>12}   {bound:<18} {held}", verdict.key);
         }
         let bounded: Vec<&str> = outcome.verdicts.iter().map(|v| v.key.as_str()).collect();
         for (figure, value) in &outcome.figures {
@@ -190,8 +204,33 @@ fn progress_bar(arguments: &Run, length: u64) -> ProgressBar {
         return ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
     }
     let bar = ProgressBar::new(length);
-    match ProgressStyle::with_template("{bar:40} {pos}/{len} learned and played") {
+    match ProgressStyle::with_template(TEMPLATE) {
         Ok(style) => bar.with_style(style),
         Err(_) => bar,
+    }
+}
+
+/// Shows the bar from the start, and that it is alive: of many demonstrations, learning takes minutes.
+fn learning(bar: &ProgressBar, demonstrations: u64) {
+    bar.set_message(format!("learning from {demonstrations} demonstrations"));
+    bar.enable_steady_tick(Duration::from_millis(500));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_of_a_kind_is_no_plural() {
+        let counts = [0, 1, 2].map(|count| counted(count, "bound"));
+        assert_eq!(counts, ["0 bounds", "1 bound", "2 bounds"]);
+    }
+
+    #[test]
+    fn while_learning_the_bar_says_so() {
+        let bar = ProgressBar::hidden();
+        learning(&bar, 1000);
+        assert_eq!(bar.message(), "learning from 1000 demonstrations");
+        assert!(ProgressStyle::with_template(TEMPLATE).is_ok() && TEMPLATE.contains("{msg}"));
     }
 }

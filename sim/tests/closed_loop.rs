@@ -332,7 +332,7 @@ fn the_command_says_what_was_missed_by_table_and_exit_code() {
     let table = String::from_utf8_lossy(&output.stdout).into_owned();
     assert_eq!(output.status.code(), Some(1), "{table}");
     assert!(table.contains("gap_cm_most") && table.contains("MISSED"), "{table}");
-    assert!(String::from_utf8_lossy(&output.stderr).contains("1 bounds missed"));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("1 scenario, 1 bound missed"));
 }
 
 #[test]
@@ -340,7 +340,7 @@ fn bad_scenarios_are_refused_with_all_that_is_wrong() {
     let text = "scene: {seed: 5, gap: 3, colour: red, giver: {stature: tall},\n\
                 \x20 step_in: {distance: 3}}\n\
                 sensor: {kind: radar, rate: 1000}\n\
-                events: {withdrawal: {reach: 9}, silence: {}, exchange: {number: none}}\n\
+                events: {withdrawal: {reach: 9}, silence: {}, exchange: {number: none, seconds: 1}}\n\
                 tick_hz: 50\n\
                 robot: {lag_s: -1}\n\
                 bounds: {gap_cm_most: 5, holds_expected: [bored]}\n";
@@ -349,13 +349,13 @@ fn bad_scenarios_are_refused_with_all_that_is_wrong() {
         "bad.yaml: about is missing",
         "scene.gap is 3, must be in [0.02, 0.4] m",
         "scene.giver.stature is \"tall\", must be a number",
-        "scene.colour is \"red\", but there is only seed, giver",
+        "scene.colour is unknown: there is only seed, giver",
         "scene.step_in.distance is 3, must be in [0.05, 0.8] m",
         "events.exchange.number is \"none\", must be one of same, other",
         "sensor.kind is \"radar\", must be one of ideal, kinect",
         "sensor.rate is 1000, must be in [5, 120] Hz",
         "events.withdrawal.reach is 9, must be a number from -2 to 4",
-        "events.silence is {}, but there is only",
+        "events.silence is {}, must be a map of seconds, reach",
         "tick_hz is 50, must be one of 30, 100, 1000",
         "robot.lag_s is -1, must be a number from 0 to 1",
         "bounds.gap_cm_most cannot hold: who withdraws makes no contact",
@@ -365,7 +365,7 @@ fn bad_scenarios_are_refused_with_all_that_is_wrong() {
         assert!(error.contains(line), "{line}\n\nin\n{error}");
     }
     assert_eq!(error.lines().count(), expected.len(), "{error}");
-    let both = "about: x\nevents: {withdrawal: {reach: 0.5}, hesitation: {reach: 0.5}}\n";
+    let both = "about: x\nevents: {withdrawal: {reach: 0.5}, hesitation: {pause_s: 1}}\n";
     let error = Scenario::from_yaml("both.yaml", "both", both).unwrap_err().to_string();
     assert!(error.contains("cannot be together") && error.contains("cannot fail"), "{error}");
     assert!(Scenario::from_yaml("no.yaml", "no", "a: [").is_err());

@@ -81,7 +81,9 @@ impl Bounds {
         let reasons = HoldReason::ALL.map(|reason| (reason.name(), reason));
         let expected = fields.choices("bounds.holds_expected", &reasons).unwrap_or_default();
         let allowed = fields.choices("bounds.holds_allowed", &reasons);
-        if limits.is_empty() && expected.is_empty() && allowed.is_none() {
+        let is_empty = limits.is_empty() && expected.is_empty() && allowed.is_none();
+        // Bounds that are there but wrong are not missing.
+        if is_empty && !fields.is_faulty("bounds") {
             fields.blame("bounds", "are missing: a trial that cannot fail shows nothing");
         }
         Self { limits, expected, allowed }

@@ -15,7 +15,8 @@ pub(super) struct Fields {
 }
 
 impl Fields {
-    /// Nested maps → dotted keys. An empty map stays a value, so that nobody takes it for nothing.
+    /// Nested maps → dotted keys. An empty map stays a value: it is said to be one, not taken for
+    /// nothing.
     pub(super) fn of(file: &Value) -> Self {
         let mut values = BTreeMap::new();
         flatten("", file, &mut values);
@@ -29,6 +30,15 @@ impl Fields {
         self.values.contains_key(section) || self.values.keys().any(below)
     }
 
+    /// Whether something was found wrong with a section or a key in it, or nobody took it.
+    pub(super) fn is_faulty(&self, section: &str) -> bool {
+        let is_within = |key: &str| {
+            key.strip_prefix(section).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+        };
+        self.violations.iter().any(|violation| is_within(&violation.key))
+            || self.values.keys().any(|key| is_within(key))
+    }
+
     /// The value under a key, if it is there and `parse` takes it; else remembers the bound.
     fn take<T>(
         &mut self,
@@ -37,12 +47,25 @@ impl Fields {
         bound: impl FnOnce() -> String,
     ) -> Option<T> {
         self.known.push(key.to_owned());
-        let value = self.values.remove(key)?;
+        let value = self.values.remove(key).or_else(|| self.remove_below(key))?;
         let parsed = parse(&value);
         if parsed.is_none() {
             self.blame(key, format!("is {value}, must be {}", bound()));
         }
         parsed
+    }
+
+    /// The map that stands where a value should, if one does: nobody is to ask for what is in it.
+    fn remove_below(&mut self, key: &str) -> Option<Value> {
+        let mut map = serde_json::Map::new();
+        self.values.retain(|given, value| {
+            let name = given.strip_prefix(key).and_then(|rest| rest.strip_prefix('.'));
+            if let Some(name) = name {
+                map.insert(name.to_owned(), value.take());
+            }
+            name.is_none()
+        });
+        (!map.is_empty()).then_some(Value::Object(map))
     }
 
     /// Remembers what is wrong with a key.
@@ -73,6 +96,24 @@ impl Fields {
     pub(super) fn limit(&mut self, key: &str, low: f64, high: f64) -> Option<f64> {
         let parse = |value: &Value| value.as_f64().filter(|number| (low..=high).contains(number));
         self.take(key, parse, || format!("a number from {low} to {high}"))
+    }
+
+    /// How long something lasts `[s]`, from 0 to `most`: needed wherever its section is a map.
+    ///
+    /// - `for_good`: whether the text `for_good` may stand for what does not end.
+    pub(super) fn duration(&mut self, key: &str, most: f64, for_good: bool) -> Option<f64> {
+        let section = key.rsplit_once('.').map_or("", |(section, _)| section);
+        let is_map = self.has(section) && !self.values.contains_key(section);
+        let alternative = if for_good { ", or for_good" } else { "" };
+        let bound = format!("a number from 0 to {most}{alternative}");
+        if is_map && !self.has(key) {
+            self.blame(key, format!("is missing, must be {bound}"));
+        }
+        let parse = |value: &Value| match value.as_str() {
+            Some("for_good") if for_good => Some(f64::INFINITY),
+            _ => value.as_f64().filter(|number| (0.0..=most).contains(number)),
+        };
+        self.take(key, parse, || bound)
     }
 
     /// A whole number ≥ 0 that may be absent.
@@ -108,30 +149,48 @@ impl Fields {
         *target = self.take(key, parse, || format!("one of {}", list())).unwrap_or(*target);
     }
 
+    /// Every key that was asked for, whether or not it is given, in that order.
+    pub(super) fn into_known(self) -> Vec<String> {
+        self.known
+    }
+
     /// All violations, those of unknown keys last; none: nothing is wrong.
     pub(super) fn finish(mut self) -> Vec<Violation> {
+        // Once for each, however much is below it.
+        let mut unknown = BTreeMap::new();
         for (key, value) in &self.values {
-            let problem = format!("is {value}, but there is only {}", self.siblings(key));
-            self.violations.push(Violation { key: key.clone(), problem });
+            let within = self.names(key);
+            if !within.is_empty() {
+                let problem = format!("is {value}, must be a map of {}", within.join(", "));
+                unknown.insert(key.clone(), problem);
+                continue;
+            }
+            let outermost = self.outermost_unknown(key);
+            let (section, _) = outermost.rsplit_once('.').unwrap_or(("", outermost));
+            let problem = format!("is unknown: there is only {}", self.names(section).join(", "));
+            unknown.insert(outermost.to_owned(), problem);
         }
+        let unknown = unknown.into_iter().map(|(key, problem)| Violation { key, problem });
+        self.violations.extend(unknown);
         self.violations
     }
 
-    /// What there is in the innermost section of a key that has anything known in it.
-    fn siblings(&self, key: &str) -> String {
-        let mut section = key;
-        loop {
-            section = section.rsplit_once('.').map_or("", |(section, _)| section);
-            let below = self.known.iter().filter_map(|known| match section {
-                "" => Some(known.as_str()),
-                section => known.strip_prefix(section)?.strip_prefix('.'),
-            });
-            let mut names: Vec<&str> = below.filter_map(|name| name.split('.').next()).collect();
-            names.dedup();
-            if !names.is_empty() || section.is_empty() {
-                return names.join(", ");
-            }
-        }
+    /// A key, or the section around it that is unknown, if one is.
+    fn outermost_unknown<'a>(&self, key: &'a str) -> &'a str {
+        let ends = key.match_indices('.').map(|(at, _)| at);
+        let mut sections = ends.map(|at| &key[..at]);
+        sections.find(|section| self.names(section).is_empty()).unwrap_or(key)
+    }
+
+    /// What may stand in a section, in the order it was asked for.
+    fn names(&self, section: &str) -> Vec<&str> {
+        let below = self.known.iter().filter_map(|known| match section {
+            "" => Some(known.as_str()),
+            section => known.strip_prefix(section)?.strip_prefix('.'),
+        });
+        let mut names: Vec<&str> = below.filter_map(|name| name.split('.').next()).collect();
+        names.dedup();
+        names
     }
 }
 

@@ -10,8 +10,9 @@
 //! bounds: {gap_cm_most: 8, held_share_most: 0.2}
 //! ```
 //!
-//! Every key but `about` and `bounds` has a default. Whatever is wrong is reported together: the
-//! file, the key, the value, the bound. Text in, values out: opens no file.
+//! Every key but `about`, `bounds` and how long an event lasts has a default: docs/scenario.md has all
+//! of them. Whatever is wrong is reported together: the file, the key, the value, the bound. Text in,
+//! values out: opens no file.
 
 mod bounds;
 mod fields;
@@ -133,6 +134,36 @@ pub enum ScenarioError {
         file: String,
         /// What the reader says.
         problem: String,
+    },
+    /// A key is there twice in one map.
+    #[error("{file}: line {line}: {key} is given twice")]
+    Twice {
+        /// Its file.
+        file: String,
+        /// Where it is the second time, from 1.
+        line: u64,
+        /// The key, without the sections around it.
+        key: String,
+    },
+    /// A second document begins.
+    #[error("{file}: line {line}: a second document begins; a file holds one scenario")]
+    Documents {
+        /// Its file.
+        file: String,
+        /// Where, from 1.
+        line: u64,
+    },
+    /// The text holds nothing.
+    #[error("{file}: is empty: about and bounds are needed")]
+    Empty {
+        /// Its file.
+        file: String,
+    },
+    /// The text is YAML, but not a map.
+    #[error("{file}: must be a map of keys and values, such as about: and bounds:")]
+    NoMap {
+        /// Its file.
+        file: String,
     },
     /// Keys, types or values, all of them.
     #[error("{}", lines(.file, .violations))]

@@ -4,6 +4,7 @@ use handover_mesh::{Role, Side};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use serde_json::Value;
+use serde_saphyr::NonFiniteFloatPolicy;
 
 use super::fields::Fields;
 use super::{Bounds, Change, Events, Exchange, Interval, Robot, Scenario, ScenarioError};
@@ -21,10 +22,19 @@ impl Scenario {
     /// # Errors
     /// [`ScenarioError`] with every unknown key, wrong type and value out of range.
     pub fn from_yaml(file: &str, name: &str, yaml: &str) -> Result<Self, ScenarioError> {
-        let parsed: Value = serde_saphyr::from_str(yaml).map_err(|error| ScenarioError::Yaml {
-            file: file.to_owned(),
-            problem: error.to_string(),
-        })?;
+        // As text, .nan is a value like any other, and refused with its key.
+        let options = serde_saphyr::options! {
+            non_finite_float_policy: NonFiniteFloatPolicy::AsString,
+        };
+        let parsed: Value = serde_saphyr::from_str_with_options(yaml, options)
+            .map_err(|error| unreadable(file, &error))?;
+        let is_blank = parsed.as_object().map_or(parsed.is_null(), serde_json::Map::is_empty);
+        if is_blank {
+            return Err(ScenarioError::Empty { file: file.to_owned() });
+        }
+        if !parsed.is_object() {
+            return Err(ScenarioError::NoMap { file: file.to_owned() });
+        }
         let mut fields = Fields::of(&parsed);
         let scenario = Self::from_fields(&mut fields, name);
         match fields.finish() {
@@ -33,12 +43,20 @@ impl Scenario {
         }
     }
 
-    /// Every key there is, with its bounds: the one place that knows them.
+    /// Every key a scenario may have, with dots between sections.
+    pub fn keys() -> Vec<String> {
+        let mut fields = Fields::of(&Value::Null);
+        Self::from_fields(&mut fields, "");
+        fields.into_known()
+    }
+
+    /// Every key there is, with its bounds: the one place that knows them. It asks for all of them
+    /// whatever is given, so that [`Self::keys`] and messages have them all.
     fn from_fields(fields: &mut Fields, name: &str) -> Self {
-        let about = fields.text("about").unwrap_or_else(|| {
+        if !fields.has("about") {
             fields.blame("about", "is missing: what happens, in a sentence");
-            String::new()
-        });
+        }
+        let about = fields.text("about").unwrap_or_default();
         let seed = fields.whole("scene.seed");
         let scene = scene(fields, seed);
         let mut robot = Robot { stature: scene.giver.stature, lag: 0.05, speed: 2.0 };
@@ -54,6 +72,22 @@ impl Scenario {
         let bounds = Bounds::from_fields(fields, events.partner);
         let (name, seed) = (name.to_owned(), seed.unwrap_or(0));
         Self { name, about, seed, scene, sensor, latency, events, tick_rate, robot, after, bounds }
+    }
+}
+
+/// What the reader says, without what it says to programmers where people can do it.
+fn unreadable(file: &str, error: &serde_saphyr::Error) -> ScenarioError {
+    let file = file.to_owned();
+    match error.without_snippet() {
+        serde_saphyr::Error::DuplicateMappingKey { key, location } => ScenarioError::Twice {
+            file,
+            line: location.line(),
+            key: key.clone().unwrap_or_else(|| "a key".to_owned()),
+        },
+        serde_saphyr::Error::MultipleDocuments { location, .. } => {
+            ScenarioError::Documents { file, line: location.line() }
+        }
+        _ => ScenarioError::Yaml { file, problem: error.to_string() },
     }
 }
 
@@ -89,14 +123,13 @@ fn scene(fields: &mut Fields, seed: Option<u64>) -> SceneConfig {
     for (key, target) in durations {
         fields.number(&format!("scene.timing.{key}"), target);
     }
-    if fields.has("scene.step_in") {
-        let mut step_in = StepIn { distance: 0.4, reach: 0.0, duration: 0.8, stay: 1.0 };
-        fields.number("scene.step_in.distance", &mut step_in.distance);
-        fields.number("scene.step_in.reach", &mut step_in.reach);
-        fields.number("scene.step_in.duration", &mut step_in.duration);
-        fields.number("scene.step_in.stay", &mut step_in.stay);
-        scene.step_in = Some(step_in);
-    }
+    let steps_in = fields.has("scene.step_in");
+    let mut step_in = StepIn { distance: 0.4, reach: 0.0, duration: 0.8, stay: 1.0 };
+    fields.number("scene.step_in.distance", &mut step_in.distance);
+    fields.number("scene.step_in.reach", &mut step_in.reach);
+    fields.number("scene.step_in.duration", &mut step_in.duration);
+    fields.number("scene.step_in.stay", &mut step_in.stay);
+    scene.step_in = steps_in.then_some(step_in);
     fields.number("scene.heading", &mut scene.heading);
     fields.blame_all("scene.", scene.check());
     scene
@@ -143,34 +176,33 @@ fn events(fields: &mut Fields) -> Events {
     if hesitates && withdraws {
         fields.blame("events.withdrawal", "cannot be together with events.hesitation");
     }
-    let mut partner = Change::None;
-    if hesitates {
-        let reach = reach(fields, "events.hesitation");
-        let mut pause = 1.0;
-        fields.float("events.hesitation.pause_s", &mut pause, 0.0, 10.0);
-        partner = Change::Hesitation { reach, pause };
-    }
-    if withdraws {
-        partner = Change::Withdrawal { reach: reach(fields, "events.withdrawal") };
-    }
-    let during = |fields: &mut Fields, section: &str| -> Option<Interval> {
-        fields.has(section).then(|| {
-            let reach = reach(fields, section);
-            let seconds = fields.limit(&format!("{section}.seconds"), 0.0, 100.0);
-            Interval { reach, seconds: seconds.unwrap_or(f64::INFINITY) }
-        })
+    // Durations first: they are missing only where something else of their event is still there.
+    let pause = fields.duration("events.hesitation.pause_s", 10.0, false).unwrap_or_default();
+    let reach_of_pause = reach(fields, "events.hesitation");
+    let reach_of_turn = reach(fields, "events.withdrawal");
+    let partner = match (hesitates, withdraws) {
+        (_, true) => Change::Withdrawal { reach: reach_of_turn },
+        (true, false) => Change::Hesitation { reach: reach_of_pause, pause },
+        (false, false) => Change::None,
     };
-    let occlusion = during(fields, "events.occlusion");
-    let exchange = during(fields, "events.exchange").map(|during| {
-        let mut aside = 1.0;
-        fields.float("events.exchange.aside_m", &mut aside, -5.0, 5.0);
-        let mut has_own_number = false;
-        let numbers = [("same", false), ("other", true)];
-        fields.choice("events.exchange.number", &mut has_own_number, &numbers);
-        Exchange { during, aside, has_own_number }
-    });
-    let silence = during(fields, "events.silence");
+    let occlusion = interval(fields, "events.occlusion");
+    let during = interval(fields, "events.exchange");
+    let mut aside = 1.0;
+    fields.float("events.exchange.aside_m", &mut aside, -5.0, 5.0);
+    let mut has_own_number = false;
+    let numbers = [("same", false), ("other", true)];
+    fields.choice("events.exchange.number", &mut has_own_number, &numbers);
+    let exchange = during.map(|during| Exchange { during, aside, has_own_number });
+    let silence = interval(fields, "events.silence");
     Events { partner, occlusion, exchange, silence }
+}
+
+/// When an event of the sensor is, if its section is given.
+fn interval(fields: &mut Fields, section: &str) -> Option<Interval> {
+    let happens = fields.has(section);
+    let seconds = fields.duration(&format!("{section}.seconds"), 100.0, true).unwrap_or_default();
+    let reach = reach(fields, section);
+    happens.then_some(Interval { reach, seconds })
 }
 
 fn reach(fields: &mut Fields, section: &str) -> f64 {
