@@ -318,6 +318,17 @@ fn settings_win_over_the_file() {
 }
 
 #[test]
+fn help_has_all_that_a_command_does() {
+    let folder = folder(&[]);
+    let help = |command: &str, words: &[&str]| check(&folder, &[command, "--help"], 0, words);
+    help("evaluate", &["Measure all methods", "thesis: the first recording is retargeted"]);
+    help("learn", &["Some demonstrations are retargeted", "With --log each step"]);
+    help("import", &["Bad files are named"]);
+    let short = check(&folder, &["--help"], 0, &["Measure all methods against what people did"]);
+    assert!(!String::from_utf8(short.stdout).unwrap().contains("each clip is predicted"));
+}
+
+#[test]
 fn scripts_tell_their_usage() {
     if cfg!(windows) {
         return;

@@ -44,18 +44,13 @@ pub(crate) struct Global {
 }
 
 #[derive(Debug, Subcommand)]
+// NOTE: a variant's own words would hide those of its arguments from --help.
 pub(crate) enum Command {
-    /// Turn recordings of any known format into CSV
     Import(Import),
-    /// Learn a model: which edges between the people a movement needs
     Learn(Learn),
-    /// Put a recording to the robot, tick by tick
     Replay(Replay),
-    /// Measure all methods against what people did
     Evaluate(Evaluate),
-    /// Measure how well made-up motions resemble true ones
     Motion(Motion),
-    /// Say what files hold and what is wrong with them
     Check(Check),
 }
 
