@@ -487,3 +487,52 @@ fn a_model_brings_its_own_parameters_and_role() {
     check(&folder, &alone, 1, &["cannot learn the edges", "two groups", "--method none"]);
     check(&folder, &[&alone[..], &["--method", "none"], &SETTINGS].concat(), 0, &[]);
 }
+
+/// The same text with y up.
+fn with_y_up(text: &str) -> String {
+    let line = |line: &str| -> String {
+        let mut fields: Vec<&str> = line.split(',').collect();
+        let is_row = line.starts_with(|first: char| first.is_ascii_digit());
+        let Some([_, y, _]) = fields.last_chunk().copied().filter(|_| is_row) else {
+            return line.to_owned() + "\n";
+        };
+        let minus_y = y.strip_prefix('-').map_or(format!("-{y}"), str::to_owned);
+        let at = fields.len() - 2;
+        fields.swap(at, at + 1);
+        fields[at + 1] = &minus_y;
+        fields.join(",") + "\n"
+    };
+    text.lines().map(line).collect()
+}
+
+#[test]
+fn whoever_lies_is_noted_with_the_axis_that_would_have_them_stand() {
+    let folder = clips(4);
+    let path = |path: &str| folder.path().join(path);
+    fs::create_dir(path("turned")).unwrap();
+    for number in 0..4 {
+        let text = fs::read_to_string(path(&format!("clips/{number}.csv"))).unwrap();
+        fs::write(path(&format!("turned/{number}.csv")), with_y_up(&text)).unwrap();
+    }
+    let said =
+        |arguments: &[&str]| String::from_utf8(check(&folder, arguments, 0, &[]).stderr).unwrap();
+    let lying = "note: turned/0.csv and 3 more: people lie on their sides (hint: --up y)\n";
+    let evaluate = ["--protocol", "leave_one_out", "--methods", "hold"];
+    let model = ["-o", "m.safetensors", "--method", "none", "--up", "y"];
+    for (command, more) in [("check", &[][..]), ("evaluate", &evaluate), ("learn", &model[..4])] {
+        let of = |folder, axis| said(&[&[command, folder, "--up", axis], more].concat());
+        assert_eq!(of("turned", "z").matches("people lie").count(), 1);
+        assert!(of("turned", "z").contains(lying), "{command}");
+        let other = "note: clips/0.csv and 3 more: people lie on their sides (hint: --up z)\n";
+        assert!(of("clips", "y").contains(other), "{command}");
+        for right in [of("turned", "y"), of("clips", "z")] {
+            assert!(!right.contains("people lie"), "{command}: {right}");
+        }
+    }
+    said(&[&["learn", "turned"], &model[..]].concat());
+    let replay =
+        |more: &[&str]| said(&[&["replay", "m.safetensors", "turned/3.csv"], more].concat());
+    assert!(replay(&[]).contains("note: turned/3.csv: people lie on their sides (hint: --up y)"));
+    assert!(!replay(&["--quiet"]).contains("people lie"));
+    assert!(!replay(&["--up", "y"]).contains("people lie"));
+}

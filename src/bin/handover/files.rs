@@ -5,6 +5,7 @@
 mod acclaim;
 mod names;
 mod search;
+mod upright;
 mod write;
 
 use std::fs::File;
@@ -118,7 +119,8 @@ pub(crate) fn name_bad(bad: &[BadFile], output: &Output) {
     }
 }
 
-/// Reads all recordings that the arguments name, one after another as they were found.
+/// Reads all recordings that the arguments name, one after another as they were found, and says so
+/// where people lie in them, as they do where the wrong axis is up.
 ///
 /// # Errors
 /// As [`load`].
@@ -133,7 +135,11 @@ pub(crate) fn read_all(
         file.outcome = file.outcome.map(|loaded| loaded.named(name));
         file
     });
-    Ok(named.collect())
+    let named: Vec<ReadFile> = named.collect();
+    if let Some(note) = upright::note(&named, selection) {
+        output.note(&note);
+    }
+    Ok(named)
 }
 
 /// Reads all files that may hold somebody's motion: recordings, and AMC with the only ASF beside
