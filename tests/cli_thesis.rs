@@ -219,8 +219,13 @@ fn a_bad_input_motion_is_not_replaced_by_the_next() {
 #[test]
 fn phases_are_of_gradient_alone() {
     let folder = clips(2);
-    let found = |phases: &str| check(&folder, &thesis(&["--json", "--set", phases]), 0, &[]).stdout;
-    assert_eq!(found("learn.phases=1"), found("learn.phases=3"));
+    let found = |phases: &str| {
+        let mut found = check_json(&folder, &thesis(&["--json", "--set", phases]), 0);
+        (found["changes"].take(), found)
+    };
+    let (one, three) = (found("learn.phases=1"), found("learn.phases=3"));
+    assert!(one.0 != three.0, "what was asked for is told");
+    assert_eq!(one.1, three.1);
 }
 
 #[test]

@@ -373,6 +373,9 @@ pub(crate) struct Selection {
     /// A file to leave out, whatever the folders hold: chosen by commands, not by users.
     #[arg(skip)]
     pub(crate) except: Option<PathBuf>,
+    /// Whether recordings too short to be an interaction serve too: chosen by commands, as well.
+    #[arg(skip)]
+    pub(crate) any_length: bool,
 }
 
 /// An axis that can point up.

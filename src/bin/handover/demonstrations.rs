@@ -47,7 +47,7 @@ pub(crate) fn load(
     output: &Output,
 ) -> anyhow::Result<Loaded> {
     let read = files::load(paths, selection, output)?;
-    take(once(read, output), role, config, output)
+    take(once(read, output), role, selection.any_length, config, output)
 }
 
 /// The same in an order that is not that of the arguments: by name.
@@ -65,7 +65,7 @@ pub(crate) fn load_sorted(
     let order =
         |loaded: &files::Loaded| (loaded.recording.name().to_owned(), loaded.sha256.clone());
     read.recordings.sort_by_cached_key(order);
-    take(once(read, output), role, config, output)
+    take(once(read, output), role, selection.any_length, config, output)
 }
 
 /// Of recordings that hold the same only the first, as one must not learn from itself: that is no
@@ -115,6 +115,7 @@ impl Taken {
 fn take(
     read: files::Demonstrations,
     role: Option<&str>,
+    any_length: bool,
     config: &Config,
     output: &Output,
 ) -> anyhow::Result<Loaded> {
@@ -136,7 +137,9 @@ fn take(
     };
     for files::Loaded { path, recording, sha256, .. } in recordings {
         let (frames, seconds) = (recording.len(), duration(&recording));
-        if frames < FEWEST_FRAMES || seconds < SHORTEST {
+        // Stamps are rounded.
+        let is_short = frames < FEWEST_FRAMES || seconds + 0.001 < SHORTEST;
+        if is_short && !any_length {
             let frames = counted(frames, "frame");
             leave_out(
                 &path,

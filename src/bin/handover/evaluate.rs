@@ -12,7 +12,7 @@ use handover_mesh::forecast::ForecastMethod;
 use handover_mesh::predict::Method;
 use serde_json::{Value, json};
 
-use crate::args::{Evaluate, Protocol};
+use crate::args::{Evaluate, Protocol, Selection};
 use crate::demonstrations::{self, Loaded};
 use crate::output::Output;
 use crate::progress::Progress;
@@ -30,8 +30,11 @@ pub(crate) fn run(
     thesis::check(arguments)?;
     check(arguments)?;
     let role = arguments.role.as_deref();
+    // A forecast is of one person, and has no figure where a clip is too short.
+    let any_length = arguments.protocol == Protocol::Forecast;
+    let selection = Selection { any_length, ..selection.clone() };
     let Loaded { demonstrations, role, left_out, first_left_out, .. } =
-        demonstrations::load(demonstrations, role, selection, config, output)?;
+        demonstrations::load(demonstrations, role, &selection, config, output)?;
     let groups = demonstrations::groups(&demonstrations, arguments.group.as_deref())?;
     let settings = EvaluateSettings {
         methods: methods(&arguments.methods, &Method::ALL, Method::name),
