@@ -206,6 +206,7 @@ fn no_sighting_breaks_a_promise() {
         let period = [1_000_000, 10_000_000, 33_333_333, 100_000_000][random.random_range(0..4)];
         let mut current = if random.random_bool(0.7) { Mood::Proper } else { mood(random) };
         let (mut has_said, mut moves, mut leaves) = (false, false, false);
+        let mut places = standing.clone();
         for _ in 0..TICKS_OF_ONE_ROBOT {
             if random.random_bool(0.03) {
                 current = mood(random);
@@ -238,8 +239,10 @@ fn no_sighting_breaks_a_promise() {
                 Sighting { stamp: last, body, positions, confidences: &confidences }
             });
             let tick = pipeline.tick(&TickInput { now, sighting, robot: own.as_deref() });
-            if let Some(seen) = tick.partner {
-                let [head, neck, torso] = [0, 1, 2].map(|joint| Some(seen[joint]));
+            if tick.partner.is_some() {
+                // As the filter has them: of who is followed, joints not seen are guessed.
+                tick.filter.partner().unwrap().at(now, &mut places);
+                let [head, neck, torso] = [0, 1, 2].map(|joint| Some(places[joint]));
                 body = PartnerBody { head, neck, torso };
             }
             if let Some(target) = tick.target {
