@@ -18,6 +18,7 @@ pub mod kinematics;
 pub mod learn;
 mod linear;
 pub mod mesh;
+pub mod messages;
 pub mod model;
 pub mod motion;
 pub mod online;
