@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
 
-use super::{Change, Violation};
+use super::{Change, Kind, Violation};
 use crate::settings::{Number, Setting};
 
 /// Keys and values that are taken one by one; what nobody takes is unknown.
@@ -12,7 +12,7 @@ pub(super) struct Fields {
     values: BTreeMap<String, Value>,
     violations: Vec<Violation>,
     changes: Vec<Change>,
-    known: Vec<&'static str>,
+    known: Vec<(&'static str, Kind)>,
     before: Vec<(String, Value)>,
 }
 
@@ -27,22 +27,22 @@ impl Fields {
         self.before
     }
 
-    /// Every key that was asked for.
-    #[cfg(test)]
-    pub(super) fn known(&self) -> &[&'static str] {
-        &self.known
+    /// Every key that was asked for, with what it takes and what it was before.
+    pub(super) fn asked(self) -> impl Iterator<Item = (&'static str, Kind, Value)> {
+        self.known.into_iter().zip(self.before).map(|((key, kind), (_, value))| (key, kind, value))
     }
 
     /// Sets `target` if the key is there and `parse` takes its value; else remembers the bound.
     pub(super) fn take<T: PartialEq>(
         &mut self,
         key: &'static str,
+        kind: Kind,
         target: &mut T,
         parse: impl Fn(&Value) -> Option<T>,
         show: impl Fn(&T) -> Value,
         bound: impl FnOnce() -> String,
     ) {
-        self.known.push(key);
+        self.known.push((key, kind));
         self.before.push((key.to_owned(), show(target)));
         let Some(value) = self.values.remove(key) else { return };
         match parse(&value) {
@@ -67,7 +67,8 @@ impl Fields {
     /// A number between two bounds, both included.
     pub(super) fn float(&mut self, key: &'static str, target: &mut f64, low: f64, high: f64) {
         let parse = |value: &Value| value.as_f64().filter(|number| (low..=high).contains(number));
-        self.take(key, target, parse, |n| json!(n), || format!("a number from {low} to {high}"));
+        let bound = || format!("a number from {low} to {high}");
+        self.take(key, Kind::Real { low, high }, target, parse, |n| json!(n), bound);
     }
 
     /// A whole number between two bounds, both included.
@@ -77,7 +78,8 @@ impl Fields {
             (low..=high).contains(&number).then_some(number)
         };
         let bound = || format!("a whole number from {low} to {high}");
-        self.take(key, target, parse, |n| json!(n), bound);
+        let kind = Kind::Whole { low: low as i64, high: high as i64 };
+        self.take(key, kind, target, parse, |n| json!(n), bound);
     }
 
     /// Numbers that have their bounds with them.
@@ -92,13 +94,26 @@ impl Fields {
 
     /// A text that is not empty.
     pub(super) fn text(&mut self, key: &'static str, target: &mut String) {
-        self.take(key, target, text, |text| json!(text), || "text".to_owned());
+        self.take(key, Kind::Text, target, text, |text| json!(text), || "text".to_owned());
+    }
+
+    /// A text that may be empty.
+    pub(super) fn free_text(&mut self, key: &'static str, target: &mut String) {
+        let parse = |value: &Value| value.as_str().map(str::to_owned);
+        self.take(key, Kind::Text, target, parse, |text| json!(text), || "text".to_owned());
+    }
+
+    /// Yes or no.
+    pub(super) fn flag(&mut self, key: &'static str, target: &mut bool) {
+        let bound = || "true or false".to_owned();
+        self.take(key, Kind::Flag, target, Value::as_bool, |flag| json!(flag), bound);
     }
 
     /// A list of texts.
     pub(super) fn texts(&mut self, key: &'static str, target: &mut Vec<String>) {
         let parse = |value: &Value| value.as_array()?.iter().map(text).collect();
-        self.take(key, target, parse, |texts| json!(texts), || "a list of texts".to_owned());
+        let bound = || "a list of texts".to_owned();
+        self.take(key, Kind::Texts, target, parse, |texts| json!(texts), bound);
     }
 
     /// One of some named values.
@@ -106,15 +121,17 @@ impl Fields {
         &mut self,
         key: &'static str,
         target: &mut T,
-        choices: &[(&str, T)],
+        choices: &[(&'static str, T)],
     ) {
         let parse = |value: &Value| {
             choices.iter().find(|(name, _)| value.as_str() == Some(name)).map(|(_, choice)| *choice)
         };
         let show =
             |choice: &T| json!(choices.iter().find(|(_, c)| c == choice).map(|(name, _)| name));
-        let names = || choices.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
-        self.take(key, target, parse, show, || format!("one of {}", names()));
+        let names: Vec<&'static str> = choices.iter().map(|(name, _)| *name).collect();
+        let bound = names.join(", ");
+        let kind = Kind::Choice(names);
+        self.take(key, kind, target, parse, show, || format!("one of {bound}"));
     }
 
     /// What differs from the defaults, or all violations, those of unknown keys last.
@@ -124,11 +141,14 @@ impl Fields {
             let siblings: Vec<&str> = self
                 .known
                 .iter()
-                .filter_map(|known| known.strip_prefix(section)?.strip_prefix('.'))
+                .filter_map(|(known, _)| known.strip_prefix(section)?.strip_prefix('.'))
                 .collect();
             let problem = if siblings.is_empty() {
-                let mut sections: Vec<&str> =
-                    self.known.iter().filter_map(|known| Some(known.split_once('.')?.0)).collect();
+                let mut sections: Vec<&str> = self
+                    .known
+                    .iter()
+                    .filter_map(|(known, _)| Some(known.split_once('.')?.0))
+                    .collect();
                 sections.dedup();
                 format!("is no parameter; sections are {}", sections.join(", "))
             } else {

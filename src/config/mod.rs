@@ -9,7 +9,9 @@
 //! A key left out keeps its default; `config/handover.yaml` lists all keys with meaning, unit and
 //! range. Text in, values out: opens no file.
 
+mod describe;
 mod fields;
+mod node;
 mod online;
 
 use std::collections::BTreeMap;
@@ -23,7 +25,9 @@ use crate::motion::{Dimensions, MotionSettings};
 use crate::online::OnlineSettings;
 use crate::predict::{KnownJoints, PredictSettings};
 use crate::retarget::Transform;
+pub use describe::{Kind, Parameter};
 use fields::Fields;
+pub use node::{NodeSettings, RobotState, Source};
 
 /// All parameters, within their bounds.
 ///
@@ -163,8 +167,47 @@ impl Config {
                 }),
             }
         }
-        self.checked(values, violations)
+        self.checked(&NodeSettings::default(), values, violations)
+            .map(|(config, _, changes)| (config, changes))
     }
+
+    /// The same with values by their dotted keys over it, the node's among them, and what they
+    /// change.
+    ///
+    /// # Errors
+    /// [`ConfigError::Violations`] with every unknown key, wrong type and value out of range.
+    pub fn with_values(
+        &self,
+        node: &NodeSettings,
+        values: impl IntoIterator<Item = (String, Value)>,
+    ) -> Result<(Self, NodeSettings, Vec<Change>), ConfigError> {
+        self.checked(node, values.into_iter().collect(), Vec::new())
+    }
+
+    /// Every parameter there is, those of the node among them.
+    pub fn parameters(&self, node: &NodeSettings) -> Vec<Parameter> {
+        let mut fields = Fields::new(BTreeMap::new(), Vec::new());
+        Self::from_fields(&mut fields, self.clone());
+        node::take(&mut fields, &mut node.clone());
+        let mut descriptions = describe::descriptions();
+        let parameter = |(key, kind, value): (&str, Kind, Value)| Parameter {
+            key: key.to_owned(),
+            kind,
+            value,
+            description: descriptions.remove(key).unwrap_or_default(),
+        };
+        fields.asked().map(parameter).collect()
+    }
+
+    /// Whether a parameter belongs to the robot and its sensor as much as to a model: what was
+    /// learned with another value of it holds all the same.
+    pub fn is_of_the_robot(key: &str) -> bool {
+        let section = key.split('.').next().unwrap_or_default();
+        Self::OF_THE_ROBOT.contains(&section)
+    }
+
+    /// The sections of these parameters.
+    pub const OF_THE_ROBOT: [&str; 5] = ["tick", "filter", "track", "window", "safety"];
 
     /// Every key with its value, dotted, in the order of `config/handover.yaml`.
     ///
@@ -189,7 +232,7 @@ impl Config {
     pub fn from_values(
         values: impl IntoIterator<Item = (String, Value)>,
     ) -> Result<Self, ConfigError> {
-        Self::default().checked(values.into_iter().collect(), Vec::new()).map(|(config, _)| config)
+        Self::default().with_values(&NodeSettings::default(), values).map(|(config, ..)| config)
     }
 
     /// What is not as by default, in the order of `config/handover.yaml`.
@@ -198,22 +241,25 @@ impl Config {
     /// As [`Self::from_values`], if a setting is out of its bounds.
     pub fn differences(&self) -> Result<Vec<Change>, ConfigError> {
         Self::default()
-            .checked(self.values().into_iter().collect(), Vec::new())
-            .map(|(_, changes)| changes)
+            .with_values(&NodeSettings::default(), self.values())
+            .map(|(_, _, changes)| changes)
     }
 
     fn checked(
         &self,
+        node: &NodeSettings,
         values: BTreeMap<String, Value>,
         violations: Vec<Violation>,
-    ) -> Result<(Self, Vec<Change>), ConfigError> {
+    ) -> Result<(Self, NodeSettings, Vec<Change>), ConfigError> {
         let mut fields = Fields::new(values, violations);
         let config = Self::from_fields(&mut fields, self.clone());
+        let mut node = node.clone();
+        node::take(&mut fields, &mut node);
         let changes = fields.finish().map_err(ConfigError::Violations)?;
-        Ok((config, changes))
+        Ok((config, node, changes))
     }
 
-    /// Every key there is, with its bounds: the one place that knows them.
+    /// Every key but the node's, with its bounds: the one place that knows them.
     ///
     /// - `config`: what a key left out stays as.
     fn from_fields(fields: &mut Fields, mut config: Self) -> Self {
@@ -449,12 +495,22 @@ mod tests {
         assert_eq!(Config::from_yaml(yaml, &[]), Ok(Config::default()));
         let mut values = BTreeMap::new();
         flatten("", parameters(&parse_yaml(yaml).unwrap()).unwrap(), &mut values);
-        let mut fields = Fields::new(BTreeMap::new(), Vec::new());
-        Config::from_fields(&mut fields, Config::default());
-        let mut shipped: Vec<&str> = values.keys().map(String::as_str).collect();
-        let mut known = fields.known().to_vec();
-        shipped.sort_unstable();
-        known.sort_unstable();
-        assert_eq!(shipped, known);
+        let parameters = Config::default().parameters(&NodeSettings::default());
+        let known: BTreeMap<String, Value> =
+            parameters.into_iter().map(|parameter| (parameter.key, parameter.value)).collect();
+        assert_eq!(values.keys().collect::<Vec<_>>(), known.keys().collect::<Vec<_>>());
+        let changed = Config::changes(yaml).unwrap();
+        assert!(changed.is_empty(), "{changed:?}");
+    }
+
+    #[test]
+    fn every_parameter_is_described_with_its_bounds() {
+        for parameter in Config::default().parameters(&NodeSettings::default()) {
+            assert!(parameter.description.len() > 8, "{parameter:?}");
+            if let Kind::Real { low, high } = parameter.kind {
+                let value = parameter.value.as_f64().unwrap();
+                assert!((low..=high).contains(&value), "{parameter:?}");
+            }
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 
+use super::Kind;
 use super::fields::Fields;
 use crate::geometry::Point;
 use crate::online::OnlineSettings;
@@ -21,6 +22,7 @@ fn take_safety(fields: &mut Fields, safety: &mut SafetySettings) {
     fields.float("safety.jerk", &mut safety.jerk, 1.0, 10_000.0);
     fields.take(
         "safety.workspace",
+        Kind::Reals,
         &mut safety.workspace,
         workspace,
         |workspace| json!(workspace.map_or(Vec::new(), |corners| corners.map(numbers).concat())),

@@ -9,9 +9,6 @@ use handover_mesh::{Config, ConfigError};
 use crate::UsageError;
 use crate::args::Global;
 
-/// Sections that belong to the robot and its sensor as much as to a model.
-const OF_THE_ROBOT: [&str; 5] = ["tick", "filter", "track", "window", "safety"];
-
 /// Reads the parameter file, if one is named, the settings over it, and over these the options
 /// that stand for a parameter.
 ///
@@ -24,7 +21,7 @@ pub(crate) fn load(global: &Global, options: &[(String, String)]) -> anyhow::Res
 }
 
 /// A model's parameters, with those given over them. Given may be anything that the model has the
-/// same, and of [`OF_THE_ROBOT`] whatever the robot is to do.
+/// same, and of those of the robot whatever the robot is to do.
 ///
 /// # Errors
 /// [`UsageError`] with every violation, or every key that is not the robot's.
@@ -32,8 +29,7 @@ pub(crate) fn over(model: &Config, path: &Path, global: &Global) -> anyhow::Resu
     let (yaml, source) = file(global)?;
     let given = model.with(&yaml, &global.set);
     let (config, changes) = given.map_err(|error| violation(&source, &error))?;
-    let section = |key: &str| key.split('.').next().unwrap_or_default().to_owned();
-    let others = changes.iter().filter(|change| !OF_THE_ROBOT.contains(&&*section(&change.key)));
+    let others = changes.iter().filter(|change| !Config::is_of_the_robot(&change.key));
     let others: Vec<String> = others
         .map(|other| format!("{} is {}, not {}", other.key, other.default, other.value))
         .collect();
@@ -44,7 +40,7 @@ pub(crate) fn over(model: &Config, path: &Path, global: &Global) -> anyhow::Resu
         "{}: a model has its own parameters, there {}; --config and --set go with it for {} only",
         path.display(),
         others.join(", "),
-        OF_THE_ROBOT.join(", "),
+        Config::OF_THE_ROBOT.join(", "),
     ))
     .into())
 }
