@@ -18,6 +18,7 @@ pub mod geometry;
 pub mod kinematics;
 pub mod learn;
 mod linear;
+pub mod live;
 pub mod mesh;
 pub mod messages;
 pub mod model;

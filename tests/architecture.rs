@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// Who may import whom: a module, its layer, and the neighbours in its own layer it builds on.
 /// Whatever stands in a lower layer is allowed.
-const LAYERS: [(&str, u32, &[&str]); 26] = [
+const LAYERS: [(&str, u32, &[&str]); 27] = [
     ("geometry", 0, &[]),
     ("time", 0, &[]),
     ("settings", 0, &[]),
@@ -37,6 +37,7 @@ const LAYERS: [(&str, u32, &[&str]); 26] = [
     ("config", 5, &[]),
     ("evaluate", 5, &[]),
     ("model", 6, &[]),
+    ("live", 6, &[]),
 ];
 
 /// What no layer of the library does: text, and why.

@@ -45,8 +45,7 @@ pub struct NodeSettings {
     pub source: Source,
     /// The frame that everything is in.
     pub world_frame: String,
-    /// The frame of messages that [`Self::world_from_sensor`] is for; empty: of all messages that
-    /// are in no other known frame.
+    /// The frame of messages that [`Self::world_from_sensor`] is for; empty: none.
     pub sensor_frame: String,
     /// Where the sensor is.
     pub world_from_sensor: Isometry,
@@ -63,8 +62,8 @@ pub struct NodeSettings {
     pub approach: f64,
     /// How near the gap between the hands is to the demonstrated one at contact `[m]`.
     pub contact_distance: f64,
-    /// Whether markers are published.
-    pub markers: bool,
+    /// How often a second markers are published at most `[Hz]`; 0: never.
+    pub markers_rate: f64,
     /// How often a second diagnostics are published `[Hz]`, besides when the reason to hold changes.
     pub diagnostics_rate: f64,
 }
@@ -87,7 +86,7 @@ impl Default for NodeSettings {
             start_zone: 4.0,
             approach: 1.5,
             contact_distance: 0.08,
-            markers: true,
+            markers_rate: 20.0,
             diagnostics_rate: 10.0,
         }
     }
@@ -125,8 +124,10 @@ pub(super) fn take(fields: &mut Fields, node: &mut NodeSettings) {
         real("node.approach", &mut node.approach, 0.1, 60.0),
         real("node.contact_distance", &mut node.contact_distance, 0.01, 1.0),
     ]);
-    fields.flag("node.markers", &mut node.markers);
-    fields.numbers([real("node.diagnostics_rate", &mut node.diagnostics_rate, 0.1, 1000.0)]);
+    fields.numbers([
+        real("node.markers_rate", &mut node.markers_rate, 0.0, 1000.0),
+        real("node.diagnostics_rate", &mut node.diagnostics_rate, 0.1, 1000.0),
+    ]);
 }
 
 /// `[x, y, z, roll, pitch, yaw]`, metres and radians; the turns are about the fixed x, y and z.

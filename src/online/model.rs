@@ -6,12 +6,12 @@ use super::OnlineSettings;
 use crate::demonstration::Hands;
 use crate::forecast::{ForecastError, Forecaster};
 use crate::geometry::Vector;
-use crate::mesh::{MeshError, Pair};
+use crate::mesh::{MeshError, Pair, Vertex};
 use crate::predict::{LearnedEdges, PredictSettings, Predictor};
 use crate::retarget::RetargetError;
 use crate::safety::SafetyError;
 use crate::settings::OutOfBounds;
-use crate::skeleton::{Role, Sequence};
+use crate::skeleton::{JointId, Role, Sequence};
 use crate::track::{Library, LibraryError};
 
 /// Why there is no online model.
@@ -90,6 +90,21 @@ impl OnlineModel {
     /// partner's, in the partner's heading frame.
     pub fn gap(&self, hands: Hands) -> Vector {
         self.gaps[hands.index()]
+    }
+
+    /// The edges between the people where these hands are active: robot's joint, partner's joint.
+    pub fn edges_for(&self, hands: Hands) -> impl Iterator<Item = [JointId; 2]> + '_ {
+        let learned = self.edges.for_hands(&self.pair, self.robot, hands);
+        let joint = |role: Role, vertex: Vertex| {
+            let mut joints = self.pair.skeleton(role).joints();
+            joints.find(|joint| self.pair.vertex(role, *joint) == vertex)
+        };
+        let ends = learned.edges().iter().map(|edge| edge.edge.ends()).collect::<Vec<_>>();
+        ends.into_iter().filter_map(move |[a, b]| {
+            let own = joint(self.robot, a).or_else(|| joint(self.robot, b))?;
+            let other = self.robot.partner();
+            Some([own, joint(other, a).or_else(|| joint(other, b))?])
+        })
     }
 
     /// How demonstrations become predictions.
