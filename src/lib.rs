@@ -22,8 +22,11 @@ pub mod messages;
 pub mod model;
 pub mod motion;
 pub mod online;
+pub mod parameters;
 pub mod predict;
 pub mod retarget;
+#[cfg(feature = "ros")]
+pub mod ros;
 pub mod safety;
 pub mod settings;
 pub mod skeleton;
