@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// Who may import whom: a module, its layer, and the neighbours in its own layer it builds on.
 /// Whatever stands in a lower layer is allowed.
-const LAYERS: [(&str, u32, &[&str]); 27] = [
+const LAYERS: [(&str, u32, &[&str]); 29] = [
     ("geometry", 0, &[]),
     ("time", 0, &[]),
     ("settings", 0, &[]),
@@ -17,6 +17,8 @@ const LAYERS: [(&str, u32, &[&str]); 27] = [
     ("linear", 0, &[]),
     ("delaunay", 0, &["geometry"]),
     ("align", 0, &[]),
+    ("parameters", 0, &[]),
+    ("lifecycle", 0, &[]),
     ("skeleton", 1, &[]),
     ("kinematics", 1, &[]),
     ("motion", 1, &[]),

@@ -1,0 +1,3 @@
+//! What nodes on ROS 2 have in common; the one place that knows `r2r`.
+
+pub mod parameters;
