@@ -44,6 +44,8 @@ pub struct Inputs {
     pub object: Option<PoseStamped>,
     /// Edges of the tree of frames.
     pub transforms: Vec<TransformTree>,
+    /// What came in and could not be read, and why.
+    pub refused: Option<String>,
 }
 
 /// A robot and whoever it meets.
@@ -60,8 +62,8 @@ pub struct Live {
     /// The sighting's joints `[m]`: room.
     seen: Vec<Point>,
     throttle: Throttle,
-    /// Why what came in last was not taken.
-    refused: Option<String>,
+    /// Why something that came in was not taken, and when.
+    refused: Option<(Stamp, String)>,
     is_cancelled: bool,
 }
 
@@ -145,9 +147,12 @@ impl Live {
         for tree in &inputs.transforms {
             self.frames.take(tree);
         }
-        self.take_robot(inputs.robot.as_ref());
+        self.take_robot(now, inputs.robot.as_ref());
         self.take_object(now, inputs.object.as_ref());
         let chosen = self.choose(now, &inputs.bodies);
+        if let Some(reason) = &inputs.refused {
+            self.refuse(now, reason.clone());
+        }
         let sighting = chosen.map(|(stamp, body)| Sighting {
             stamp,
             body,
@@ -160,6 +165,7 @@ impl Live {
             // Also one that was made only after it was called off.
             pipeline.cancel();
         }
+        self.refused.take_if(|(then, _)| (now - *then).seconds().abs() > Self::REFUSED_FOR);
         let tick = self.robot.tick(&TickInput { now, sighting, robot: None });
         let hands = Hands::of(&self.model, tick.as_ref());
         let object = self.object.filter(|(stamp, _)| (now - *stamp).seconds() <= Self::OBJECT_FOR);
@@ -171,28 +177,31 @@ impl Live {
             state,
             hands,
             body: self.choice.current(),
-            refused: self.refused.as_deref(),
+            refused: self.refused.as_ref().map(|(_, reason)| reason.as_str()),
             took,
         };
         report.outputs(&self.model, &self.node, tick.as_ref(), &mut self.throttle)
     }
 
+    /// For so long it is told that something was not taken `[s]`.
+    const REFUSED_FOR: f64 = 1.0;
+
     /// An object not heard of for this long `[s]` is where it is no more.
     const OBJECT_FOR: f64 = 0.5;
 
-    fn take_robot(&mut self, body: Option<&Body>) {
+    fn take_robot(&mut self, now: Stamp, body: Option<&Body>) {
         let Some(body) = body else { return };
         if self.node.robot_state == RobotState::Demonstrated {
-            return self.refuse("robot_skeleton: node.robot_state is demonstrated".to_owned());
+            return self.refuse(now, "robot_skeleton: node.robot_state is demonstrated".to_owned());
         }
         match self.frames.world_from(&body.frame) {
             Ok(world_from_body) => {
                 let place = |name: &str| body.place(name).map(|place| world_from_body * place);
                 if let Err(problem) = self.robot.report(place) {
-                    self.refuse(format!("robot_skeleton: {problem}"));
+                    self.refuse(now, format!("robot_skeleton: {problem}"));
                 }
             }
-            Err(unknown) => self.refuse(format!("robot_skeleton: {unknown}")),
+            Err(unknown) => self.refuse(now, format!("robot_skeleton: {unknown}")),
         }
     }
 
@@ -204,7 +213,7 @@ impl Live {
                 let place = world_from_object * Point::from(object.pose.position);
                 self.object = Some((stamp, place)).filter(|(_, p)| crate::geometry::is_finite(p));
             }
-            Err(unknown) => self.refuse(format!("object_pose: {unknown}")),
+            Err(unknown) => self.refuse(now, format!("object_pose: {unknown}")),
         }
     }
 
@@ -241,14 +250,14 @@ impl Live {
             }
             (or_now(body.stamp, now), body.id)
         });
-        if refused.is_some() || sighting.is_some() {
-            self.refused = refused;
+        if let Some(reason) = refused {
+            self.refuse(now, reason);
         }
         sighting
     }
 
-    fn refuse(&mut self, reason: String) {
-        self.refused = Some(reason);
+    fn refuse(&mut self, now: Stamp, reason: String) {
+        self.refused = Some((now, reason));
     }
 }
 

@@ -34,10 +34,10 @@ pub struct ParameterServer {
 #[derive(Debug, thiserror::Error)]
 pub enum ParameterServerError {
     /// Parameters that it was started with: all that is wrong with them.
-    #[error("{0}")]
+    #[error(transparent)]
     Refused(#[from] Refusals),
     /// No service, publisher or clock could be had.
-    #[error("{0:#}")]
+    #[error(transparent)]
     Graph(#[from] anyhow::Error),
 }
 
@@ -232,17 +232,17 @@ pub fn ros_time(node: &Node) -> Duration {
 }
 
 /// Requests to one service, taken without waiting.
-struct Requests<T: WrappedServiceTypeSupport>(
+pub(super) struct Requests<T: WrappedServiceTypeSupport>(
     Box<dyn Stream<Item = ServiceRequest<T>> + Send + Unpin>,
 );
 
 impl<T: WrappedServiceTypeSupport> Requests<T> {
-    fn next(&mut self) -> Option<ServiceRequest<T>> {
+    pub(super) fn next(&mut self) -> Option<ServiceRequest<T>> {
         self.0.next().now_or_never().flatten()
     }
 }
 
-fn requests<T>(node: &mut Node, name: &str) -> Result<Requests<T>>
+pub(super) fn requests<T>(node: &mut Node, name: &str) -> Result<Requests<T>>
 where
     T: WrappedServiceTypeSupport + 'static,
 {
@@ -250,7 +250,10 @@ where
     Ok(Requests(Box::new(requests.with_context(|| name.to_owned())?)))
 }
 
-fn answer<T: WrappedServiceTypeSupport + 'static>(request: ServiceRequest<T>, with: T::Response) {
+pub(super) fn answer<T: WrappedServiceTypeSupport + 'static>(
+    request: ServiceRequest<T>,
+    with: T::Response,
+) {
     // Whoever asked may have gone; nobody else needs to know.
     let _ = request.respond(with);
 }

@@ -1,0 +1,166 @@
+//! What the handover node hears: bytes → messages → the inbox.
+
+use std::time::{Duration, Instant};
+
+use anyhow::{Context as _, Result};
+use futures::{FutureExt as _, Stream, StreamExt as _};
+use r2r::{Node, QosProfile};
+
+use super::inbox::Inbox;
+use crate::bodies::{self, TransformAssembler};
+use crate::config::Source;
+use crate::messages::{
+    MarkerArray, Message, MultiDofJointState, PoseStamped, TransformTree, decode,
+};
+
+/// The subscriptions of the handover node.
+pub(super) struct Subscriptions {
+    skeleton: Option<Messages<MultiDofJointState>>,
+    markers: Option<Messages<MarkerArray>>,
+    robot: Messages<MultiDofJointState>,
+    object: Messages<PoseStamped>,
+    /// Moving and fixed frames; none where `tf2_msgs` was not installed where this was built.
+    transforms: Vec<Messages<TransformTree>>,
+    /// Puts together bodies whose joints are frames, if that is where the partner is seen.
+    assembler: Option<TransformAssembler>,
+    complaints: Complaints,
+}
+
+impl Subscriptions {
+    /// # Errors
+    /// If a topic cannot be subscribed to, or frames are where the partner is to be seen and their
+    /// messages are not known here.
+    pub(super) fn new(node: &mut Node, source: Source) -> Result<Self> {
+        let newest = QosProfile::sensor_data().keep_last(1);
+        let skeleton = (source == Source::Skeleton)
+            .then(|| Messages::new(node, "skeleton", newest.clone()))
+            .transpose()?;
+        let markers = (source == Source::Markers)
+            .then(|| Messages::new(node, "skeleton_markers", newest.clone()))
+            .transpose()?;
+        let moving = QosProfile::default().keep_last(100).best_effort();
+        let fixed = QosProfile::default().keep_last(100).transient_local();
+        let transforms = [("/tf", moving), ("/tf_static", fixed)];
+        let transforms: Result<Vec<_>> = transforms
+            .into_iter()
+            .map(|(topic, quality)| Messages::new(node, topic, quality))
+            .collect();
+        let transforms = match transforms {
+            Ok(transforms) => transforms,
+            Err(error) if source == Source::Transforms => {
+                return Err(error.context("node.source is tf, but this was built without tf2_msgs"));
+            }
+            Err(error) => {
+                r2r::log_info!(
+                    node.logger(),
+                    "no frames from /tf: built without tf2_msgs ({error:#})"
+                );
+                Vec::new()
+            }
+        };
+        Ok(Self {
+            skeleton,
+            markers,
+            robot: Messages::new(node, "robot_skeleton", newest.clone())?,
+            object: Messages::new(node, "object_pose", newest)?,
+            transforms,
+            assembler: (source == Source::Transforms).then(TransformAssembler::default),
+            complaints: Complaints::default(),
+        })
+    }
+
+    /// Puts into the inbox all that has come in; says whether somebody is seen.
+    pub(super) fn drain(&mut self, inbox: &Inbox, logger: &str) -> bool {
+        let complain = |topic: &str, problem: &dyn std::fmt::Display| {
+            let text = format!("{topic}: {problem}");
+            if self.complaints.is_due() {
+                r2r::log_warn!(logger, "not taken: {text}");
+            }
+            inbox.refuse(text);
+        };
+        let mut complain = complain;
+        let mut sees = false;
+        if let Some(skeleton) = &mut self.skeleton {
+            skeleton.each(&mut complain, |message, complain| {
+                match bodies::from_joint_state(&message) {
+                    Ok(body) => {
+                        inbox.body(body);
+                        sees = true;
+                    }
+                    Err(error) => complain("skeleton", &error),
+                }
+            });
+        }
+        if let Some(markers) = &mut self.markers {
+            markers.each(&mut complain, |message, _| {
+                for body in bodies::from_markers(&message) {
+                    inbox.body(body);
+                    sees = true;
+                }
+            });
+        }
+        self.robot.each(&mut complain, |message, complain| {
+            match bodies::from_joint_state(&message) {
+                Ok(body) => inbox.robot(body),
+                Err(error) => complain("robot_skeleton", &error),
+            }
+        });
+        self.object.each(&mut complain, |message, _| inbox.object(message));
+        for transforms in &mut self.transforms {
+            transforms.each(&mut complain, |message, _| {
+                if let Some(assembler) = &mut self.assembler {
+                    for body in assembler.take(&message) {
+                        inbox.body(body);
+                        sees = true;
+                    }
+                }
+                inbox.transforms(message);
+            });
+        }
+        sees
+    }
+}
+
+/// A topic's messages.
+struct Messages<M> {
+    topic: &'static str,
+    bytes: Box<dyn Stream<Item = Vec<u8>> + Unpin>,
+    message: std::marker::PhantomData<fn() -> M>,
+}
+
+/// Hears of a topic and what is wrong with its message.
+type Complain<'a> = dyn FnMut(&str, &dyn std::fmt::Display) + 'a;
+
+impl<M: Message> Messages<M> {
+    fn new(node: &mut Node, topic: &'static str, quality: QosProfile) -> Result<Self> {
+        let bytes = node.subscribe_raw(topic, M::TYPE, quality);
+        let bytes = bytes.with_context(|| format!("{topic} ({})", M::TYPE))?;
+        Ok(Self { topic, bytes: Box::new(bytes), message: std::marker::PhantomData })
+    }
+
+    /// Every message that has come in; bytes that are none are complained about.
+    fn each(&mut self, complain: &mut Complain<'_>, mut take: impl FnMut(M, &mut Complain<'_>)) {
+        while let Some(bytes) = self.bytes.next().now_or_never().flatten() {
+            match decode(&bytes) {
+                Ok(message) => take(message, complain),
+                Err(error) => complain(self.topic, &error),
+            }
+        }
+    }
+}
+
+/// Says when to complain: not more than once in five seconds.
+#[derive(Default)]
+struct Complaints(Option<Instant>);
+
+impl Complaints {
+    fn is_due(&mut self) -> bool {
+        #[expect(clippy::disallowed_methods, reason = "a shell: people read this")]
+        let now = Instant::now();
+        let is_due = self.0.is_none_or(|last| now - last > Duration::from_secs(5));
+        if is_due {
+            self.0 = Some(now);
+        }
+        is_due
+    }
+}

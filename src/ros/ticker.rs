@@ -1,0 +1,223 @@
+//! The thread that ticks and publishes.
+
+use std::sync::Arc;
+use std::sync::mpsc::{self, Receiver, Sender};
+use std::thread::{self, JoinHandle, Thread};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context as _, Result};
+use r2r::{Node, QosProfile};
+
+use super::inbox::Inbox;
+use super::shell::{Publisher, RosClock};
+use crate::config::NodeSettings;
+use crate::live::{Inputs, Live, Outputs};
+use crate::messages::{DiagnosticArray, MarkerArray, MultiDofTrajectory, PoseStamped, Text};
+use crate::safety::HoldReason;
+use crate::time::{Span, Stamp};
+
+/// What the ticking thread is told.
+pub(super) enum Command {
+    /// Ticks with this, so often.
+    Start(Box<Live>, Span),
+    /// Ticks no more.
+    Stop,
+    /// Calls the handover off.
+    Cancel,
+    /// Begins a new one.
+    Reset,
+    /// Changes what may change while it runs.
+    Set(Box<NodeSettings>),
+    /// Ends the thread.
+    End,
+}
+
+/// Where outputs go.
+pub(super) struct Publishers {
+    targets: Publisher<MultiDofTrajectory>,
+    hand: Publisher<PoseStamped>,
+    markers: Publisher<MarkerArray>,
+    state: Publisher<Text>,
+    diagnostics: Publisher<DiagnosticArray>,
+}
+
+impl Publishers {
+    /// # Errors
+    /// If a topic cannot be published.
+    pub(super) fn new(node: &mut Node) -> Result<Self> {
+        let newest = QosProfile::default().keep_last(1);
+        Ok(Self {
+            targets: Publisher::new(node, "~/joint_targets", newest.clone())?,
+            hand: Publisher::new(node, "~/hand_target", newest.clone())?,
+            markers: Publisher::new(node, "~/markers", newest.clone().best_effort())?,
+            state: Publisher::new(node, "~/handover_state", newest.clone().transient_local())?,
+            diagnostics: Publisher::new(node, "/diagnostics", newest.keep_last(10))?,
+        })
+    }
+
+    fn publish(&self, outputs: &Outputs) -> Result<()> {
+        if let Some(targets) = &outputs.joint_targets {
+            self.targets.publish(targets)?;
+        }
+        if let Some(hand) = &outputs.hand_target {
+            self.hand.publish(hand)?;
+        }
+        self.state.publish(&outputs.state)?;
+        if let Some(markers) = &outputs.markers {
+            self.markers.publish(markers)?;
+        }
+        if let Some(diagnostics) = &outputs.diagnostics {
+            self.diagnostics.publish(diagnostics)?;
+        }
+        Ok(())
+    }
+}
+
+/// The ticking thread, as others see it.
+pub(super) struct Ticker {
+    commands: Sender<Command>,
+    thread: Option<JoinHandle<()>>,
+    handle: Thread,
+}
+
+impl Ticker {
+    /// Starts the thread; it waits for a [`Command::Start`].
+    ///
+    /// # Errors
+    /// If there is no room for a thread.
+    pub(super) fn new(
+        clock: RosClock,
+        inbox: Arc<Inbox>,
+        publishers: Publishers,
+        node_name: String,
+        is_simulated: bool,
+    ) -> Result<Self> {
+        let (commands, receiver) = mpsc::channel();
+        let ticking = Ticking { clock, inbox, publishers, node_name, is_simulated, receiver };
+        let thread = thread::Builder::new().name("tick".to_owned());
+        let thread = thread.spawn(move || ticking.run()).context("the ticking thread")?;
+        Ok(Self { commands, handle: thread.thread().clone(), thread: Some(thread) })
+    }
+
+    /// Tells the thread.
+    pub(super) fn tell(&self, command: Command) {
+        // It listens as long as this is there.
+        let _ = self.commands.send(command);
+        self.wake();
+    }
+
+    /// Somebody is seen.
+    pub(super) fn wake(&self) {
+        self.handle.unpark();
+    }
+}
+
+impl Drop for Ticker {
+    /// Waits for the last tick: publishers must not outlive the node.
+    fn drop(&mut self) {
+        self.tell(Command::End);
+        if let Some(thread) = self.thread.take() {
+            // A panic there was told there.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// The same from inside.
+struct Ticking {
+    clock: RosClock,
+    inbox: Arc<Inbox>,
+    publishers: Publishers,
+    node_name: String,
+    is_simulated: bool,
+    receiver: Receiver<Command>,
+}
+
+impl Ticking {
+    fn run(self) {
+        let mut running: Option<Running> = None;
+        loop {
+            while let Ok(command) = self.receiver.try_recv() {
+                match (command, running.as_mut()) {
+                    (Command::Start(live, period), _) => running = Some(Running::new(live, period)),
+                    (Command::Stop, _) => running = None,
+                    (Command::End, _) => return,
+                    (_, None) => {}
+                    (Command::Cancel, Some(running)) => running.live.cancel(),
+                    (Command::Reset, Some(running)) => running.live.reset(),
+                    (Command::Set(node), Some(running)) => running.live.set(&node),
+                }
+            }
+            let Some(running) = running.as_mut() else {
+                thread::park_timeout(Duration::from_millis(100));
+                continue;
+            };
+            let now = self.clock.now();
+            let wait = running.wait(now, self.inbox.has_body());
+            if wait.0 > 0 {
+                // Simulated time wakes nobody when it comes.
+                let most = if self.is_simulated { 1_000_000 } else { i64::MAX };
+                thread::park_timeout(Duration::from_nanos(wait.0.min(most).unsigned_abs()));
+                continue;
+            }
+            self.tick(running, now);
+        }
+    }
+
+    fn tick(&self, running: &mut Running, now: Stamp) {
+        self.inbox.take(&mut running.inputs);
+        #[expect(clippy::disallowed_methods, reason = "a shell: how long a tick takes is told")]
+        let begun = Instant::now();
+        let mut outputs = running.live.tick(now, &running.inputs, running.took);
+        running.took = Some(begun.elapsed().as_nanos() as f64 / 1000.0);
+        for status in outputs.diagnostics.iter_mut().flat_map(|array| &mut array.status) {
+            status.name = format!("{}: {}", self.node_name, status.name);
+        }
+        if let Err(error) = self.publishers.publish(&outputs) {
+            r2r::log_error!(&self.node_name, "cannot publish: {error:#}");
+        }
+        if running.reason != Some(outputs.reason) {
+            let text = outputs.reason.map_or("moves", HoldReason::name);
+            r2r::log_info!(&self.node_name, "{text}");
+            running.reason = Some(outputs.reason);
+        }
+        running.ticked(now);
+    }
+}
+
+/// What ticks.
+struct Running {
+    live: Box<Live>,
+    period: Span,
+    inputs: Inputs,
+    /// When the last tick was, and when the next is due.
+    last: Option<(Stamp, Stamp)>,
+    took: Option<f64>,
+    reason: Option<Option<HoldReason>>,
+}
+
+impl Running {
+    fn new(live: Box<Live>, period: Span) -> Self {
+        Self { live, period, inputs: Inputs::default(), last: None, took: None, reason: None }
+    }
+
+    /// How long until the next tick: a period after the last; if somebody is seen, a quarter of it.
+    fn wait(&self, now: Stamp, is_seen: bool) -> Span {
+        let Some((last, due)) = self.last else { return Span(0) };
+        if now < last {
+            // The clock was set back: the tick knows what to do.
+            return Span(0);
+        }
+        let soonest = last + Span(self.period.0 / 4);
+        let due = if is_seen { due.min(soonest) } else { due };
+        due - now
+    }
+
+    fn ticked(&mut self, now: Stamp) {
+        let due = self.last.map_or(now, |(_, due)| due);
+        // Ticks keep their beat; one that came far too late or for somebody seen begins a new one.
+        let kept = due + self.period;
+        let is_kept = now >= due && kept > now;
+        self.last = Some((now, if is_kept { kept } else { now + self.period }));
+    }
+}

@@ -1,0 +1,46 @@
+//! `~/reset` and `~/cancel`.
+
+use anyhow::Result;
+use r2r::Node;
+use r2r::std_srvs::srv::Trigger;
+
+use super::parameters::{Requests, answer, requests};
+
+/// What somebody asks for in the middle of a handover.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Asked {
+    /// A new interaction.
+    Reset,
+    /// Brake, and stand until reset.
+    Cancel,
+}
+
+/// The two services.
+pub(super) struct Triggers {
+    reset: Requests<Trigger::Service>,
+    cancel: Requests<Trigger::Service>,
+}
+
+impl Triggers {
+    /// # Errors
+    /// If a service cannot be offered.
+    pub(super) fn new(node: &mut Node) -> Result<Self> {
+        Ok(Self { reset: requests(node, "~/reset")?, cancel: requests(node, "~/cancel")? })
+    }
+
+    /// Answers all that has come in.
+    ///
+    /// - `take`: does it, or says why not.
+    pub(super) fn serve(&mut self, mut take: impl FnMut(Asked) -> Result<&'static str, String>) {
+        for (asked, requests) in
+            [(Asked::Reset, &mut self.reset), (Asked::Cancel, &mut self.cancel)]
+        {
+            while let Some(request) = requests.next() {
+                let done = take(asked);
+                let success = done.is_ok();
+                let message = done.map_or_else(|reason| reason, str::to_owned);
+                answer(request, Trigger::Response { success, message });
+            }
+        }
+    }
+}
