@@ -1,0 +1,66 @@
+"""Tests of the programs on real ROS 2 topics: the processes as launch starts them, rclpy as peer.
+
+`./test` builds the programs and runs these in a domain of their own. Fixtures: `programs` starts
+processes and sees to it that they end as they should; `ros` is a peer on the topics; `work` is a
+folder for the test; `recordings` are made-up handovers.
+"""
+
+import os
+import pathlib
+import signal
+
+import pytest
+
+from processes import Programs
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+# Where nobody chose: a test must not move the robot of the office next door.
+if "ROS_DOMAIN_ID" not in os.environ:
+    pytest.exit("ROS_DOMAIN_ID is not set; ./test chooses one that nobody uses", 4)
+os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+# A shell's background job ignores interrupts, and so would all that it starts.
+signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def folders_of_programs():
+    """Where the programs are: HANDOVER_BINARIES, or cargo's folders."""
+    if "HANDOVER_BINARIES" in os.environ:
+        return [pathlib.Path(os.environ["HANDOVER_BINARIES"])]
+    target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+    return [target / "debug", target / "release"]
+
+
+@pytest.fixture
+def work(tmp_path):
+    """A folder of the test's own: output of processes, logs, files."""
+    return tmp_path
+
+
+@pytest.fixture
+def programs(work):
+    """Starts programs; in the end each has to obey SIGINT in time and leave nothing."""
+    started = Programs(folders_of_programs(), work)
+    yield started
+    started.stop_all()
+
+
+@pytest.fixture
+def ros():
+    """A peer on the topics, in a context of its own for each test."""
+    # Here, so that tests without a peer need no rclpy.
+    from peer import Peer
+
+    peer = Peer()
+    yield peer
+    peer.close()
+
+
+@pytest.fixture(scope="session")
+def recordings(tmp_path_factory):
+    """Six made-up handovers as a depth sensor sees them: a folder of CSV."""
+    folder = tmp_path_factory.mktemp("recordings")
+    made = Programs(folders_of_programs(), folder)
+    made.run("handover_sim", "generate", "--count", 6, "--seed", 1, "--noise", "kinect", "-o",
+             folder / "made")
+    return folder / "made" / "measured"
