@@ -1,9 +1,9 @@
-//! The first line of a file → which format it is.
+//! The first bytes or the first line of a file → which format it is.
 
 use std::fmt;
 
 use super::error::{ReadError, Reason, shortened};
-use super::{amc, sbu};
+use super::{amc, bag, sbu};
 
 /// A format that recordings are read from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -12,19 +12,26 @@ pub enum Format {
     Csv,
     /// SBU Kinect Interaction: 91 numbers a line.
     Sbu,
+    /// A bag of rosbag2 in MCAP files.
+    Mcap,
+    /// A bag of rosbag2 in SQLite3 files.
+    Sqlite,
 }
 
 impl fmt::Display for Format {
-    /// `CSV`, `SBU text`.
+    /// `CSV`, `SBU text`, `MCAP bag`, `SQLite3 bag`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Csv => "CSV",
             Self::Sbu => "SBU text",
+            Self::Mcap => "MCAP bag",
+            Self::Sqlite => "SQLite3 bag",
         })
     }
 }
 
-/// Which format these bytes are in, by their first line that is neither blank nor a comment.
+/// Which format these bytes are in: a bag by how it begins, else by the first line that is neither
+/// blank nor a comment.
 ///
 /// A line that starts with the word `frame` is a CSV header, one of a dozen numbers or more an
 /// SBU line: which fields are wrong in it is for the reader to say.
@@ -33,6 +40,9 @@ impl fmt::Display for Format {
 /// [`Reason::Empty`], [`Reason::NoFrames`] (comments only), [`Reason::OnePerson`] (ASF, AMC) or
 /// [`Reason::UnknownFormat`].
 pub fn detect(bytes: &[u8]) -> Result<Format, ReadError> {
+    if let Some(format) = bag::detect(bytes) {
+        return Ok(format);
+    }
     let mut number = 1;
     let mut comments = false;
     for line in without_mark(bytes).split(|byte| *byte == b'\n') {

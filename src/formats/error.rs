@@ -1,17 +1,52 @@
-//! What is wrong with a file: every violation, each with its line.
+//! What is wrong with a file: every violation, each with its place.
 
 use std::fmt;
 
 use crate::skeleton::{RecordingError, SequenceError, SkeletonError};
 use crate::time::Stamp;
 
+/// Where in a file; earlier places are less.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Place {
+    /// All of it.
+    File,
+    /// Line of a text, counted from 1; where something is missing, the line where its frame
+    /// starts.
+    Line(u64),
+    /// A message of a bag.
+    Message {
+        /// Its topic.
+        topic: String,
+        /// Which of the topic's messages, counted from 1.
+        number: u64,
+    },
+}
+
+impl From<u64> for Place {
+    fn from(line: u64) -> Self {
+        Self::Line(line)
+    }
+}
+
+impl fmt::Display for Place {
+    /// `line 3`, `message 17 of /giver/skeleton`; nothing of the whole file.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File => Ok(()),
+            Self::Line(line) => write!(f, "line {line}"),
+            Self::Message { topic, number } => {
+                write!(f, "message {number} of {}", shortened_to(100, topic))
+            }
+        }
+    }
+}
+
 /// One thing wrong at one place of a file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("line {line}: {reason}")]
+#[error("{place}{}{reason}", if *.place == Place::File { "" } else { ": " })]
 pub struct Violation {
-    /// Line of the file, counted from 1; where something is missing, the line where its frame
-    /// starts.
-    pub line: u64,
+    /// Where.
+    pub place: Place,
     /// What is wrong there.
     pub reason: Reason,
 }
@@ -326,6 +361,66 @@ pub enum Reason {
     /// The file breaks off in a line, whose last number may have lost digits.
     #[error("the last line has no end: the file is cut (hint: if not, end it with a line break)")]
     LineWithoutEnd,
+    /// A bag that is none, or of which nothing is whole.
+    #[error("no bag: {reason}")]
+    NoBag {
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// Somebody asked for a bag that is whole.
+    #[error("part of the bag is lost: {0}")]
+    Lost(super::bag::Loss),
+    /// A message that its type cannot be.
+    #[error(transparent)]
+    Message(#[from] crate::messages::MessageError),
+    /// A message that shows no body.
+    #[error(transparent)]
+    Body(#[from] crate::bodies::BodyError),
+    /// A bag that does not hold two people, or more.
+    #[error("two people are needed, found {}; topics: {topics}", listed(.found))]
+    WhichPeople {
+        /// Who could be meant.
+        found: Vec<String>,
+        /// All topics of the bag with their types and counts.
+        topics: String,
+    },
+    /// Two places in frames of which nobody knows how they lie to each other.
+    #[error(
+        "places are in '{frame}', others in '{other}' (hint: /tf_static of the bag does not join \
+         them)"
+    )]
+    Frames {
+        /// The frame here.
+        frame: String,
+        /// The frame of the others.
+        other: String,
+    },
+    /// A message's stamp repeats or runs back.
+    #[error("stamp {time} is not after {before}")]
+    StampOrder {
+        /// Its stamp.
+        time: Stamp,
+        /// The stamp of the message before.
+        before: Stamp,
+    },
+    /// A joint that is tracked in most frames, but not for a while that is too long to fill in.
+    #[error("'{joint}' of '{person}' is not tracked from here on for {seconds:.1} s")]
+    Untracked {
+        /// Whose joint.
+        person: String,
+        /// Which joint.
+        joint: String,
+        /// For how long `[s]`.
+        seconds: f64,
+    },
+    /// The two have no instant in common.
+    #[error("'{first}' and '{second}' are never whole at the same time")]
+    NeverTogether {
+        /// The first person.
+        first: String,
+        /// The second person.
+        second: String,
+    },
     /// A person's frames make no sequence.
     #[error(transparent)]
     Sequence(#[from] SequenceError),
@@ -353,11 +448,11 @@ impl ReadError {
     pub const MOST: usize = 20;
 
     /// A single violation.
-    pub(super) fn of(line: u64, reason: Reason) -> Self {
-        Self { violations: vec![Violation { line, reason }], more: 0 }
+    pub(super) fn of(place: impl Into<Place>, reason: Reason) -> Self {
+        Self { violations: vec![Violation { place: place.into(), reason }], more: 0 }
     }
 
-    /// The first violations, by line.
+    /// The first violations, by place.
     pub fn violations(&self) -> &[Violation] {
         &self.violations
     }
@@ -384,7 +479,7 @@ impl fmt::Display for ReadError {
 
 impl std::error::Error for ReadError {}
 
-/// Violations as they are found, in any order of lines.
+/// Violations as they are found, in any order of places.
 #[derive(Default)]
 pub(super) struct Violations {
     kept: Vec<Violation>,
@@ -393,9 +488,9 @@ pub(super) struct Violations {
 
 impl Violations {
     /// Notes one more.
-    pub(super) fn add(&mut self, line: u64, reason: impl Into<Reason>) {
+    pub(super) fn add(&mut self, place: impl Into<Place>, reason: impl Into<Reason>) {
         self.count += 1;
-        self.kept.push(Violation { line, reason: reason.into() });
+        self.kept.push(Violation { place: place.into(), reason: reason.into() });
         // Garbage of any length must not grow into an error many times as long.
         if self.kept.len() > 8 * ReadError::MOST {
             self.trim();
@@ -408,7 +503,7 @@ impl Violations {
     }
 
     fn trim(&mut self) {
-        self.kept.sort_by_key(|violation| violation.line);
+        self.kept.sort_by(|a, b| a.place.cmp(&b.place));
         self.kept.truncate(ReadError::MOST);
     }
 
@@ -422,6 +517,14 @@ impl Violations {
                 Err(ReadError { violations: self.kept, more })
             }
         }
+    }
+}
+
+/// `none`, or how many and which.
+fn listed(found: &[String]) -> String {
+    match found {
+        [] => "none".into(),
+        found => format!("{} ({})", found.len(), found.join(", ")),
     }
 }
 

@@ -1,7 +1,7 @@
-//! Recordings as bytes → [`Recording`]s, and back: CSV and SBU text; one person's motion: ASF and
-//! AMC.
+//! Recordings as bytes → [`Recording`]s, and back: CSV, SBU text and bags; one person's motion: ASF
+//! and AMC.
 //!
-//! A reader looks at the whole file and reports every violation it finds, each with its line, so
+//! A reader looks at the whole file and reports every violation it finds, each with its place, so
 //! that a file is mended in one round; what it returns holds everything [`Recording`] promises.
 //! Bytes that are no recording never panic and never cost more memory than a small multiple of
 //! their own size.
@@ -9,6 +9,7 @@
 //! Opens no file and does not look at names: what a file is called tells nothing about its bytes.
 
 pub mod amc;
+pub mod bag;
 pub mod csv;
 mod detect;
 mod error;
@@ -19,7 +20,7 @@ mod up;
 
 pub use detect::{Format, detect};
 pub(crate) use error::shortened_to;
-pub use error::{ReadError, Reason, Violation};
+pub use error::{Place, ReadError, Reason, Violation};
 pub(crate) use field::FARTHEST;
 pub use rate::rate;
 pub use up::UpAxis;
@@ -43,11 +44,19 @@ use crate::skeleton::Recording;
 ///
 /// # Errors
 /// [`ReadError`] lists every violation; [`Reason::UpIsFixed`] if the format leaves no choice of
-/// axis and `up` is not z.
+/// axis and `up` is not z; [`Reason::Lost`] of a damaged bag, of which [`bag::read`] gives the rest.
 pub fn read(bytes: &[u8], name: &str, up: UpAxis) -> Result<Recording, ReadError> {
     match detect(bytes)? {
         Format::Csv => csv::read(bytes, name, up),
         Format::Sbu if up != UpAxis::Z => Err(ReadError::of(1, Reason::UpIsFixed)),
         Format::Sbu => sbu::read(bytes, name),
+        Format::Mcap | Format::Sqlite => {
+            let file = bag::File { name, bytes: Some(bytes) };
+            let read = bag::read(&[file], None, name, up)?;
+            match read.losses.into_iter().next() {
+                Some(loss) => Err(ReadError::of(Place::File, Reason::Lost(loss))),
+                None => Ok(read.recording),
+            }
+        }
     }
 }

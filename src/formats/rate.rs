@@ -3,7 +3,7 @@
 //! A file's rate is one over the median step. Where the median of nine consecutive steps is off
 //! by more than a factor 1.6, the rate changes there: a few dropped frames move no median.
 
-use super::error::{Reason, Violations};
+use super::error::{Place, Reason, Violations};
 use crate::time::Stamp;
 
 /// Consecutive steps whose median is compared with the file's.
@@ -36,8 +36,12 @@ fn lower_median(values: &mut [f64]) -> Option<f64> {
 /// Notes where the rate changes: once for each stretch of another rate.
 ///
 /// - `stamps`: rising.
-/// - `lines`: the line where each frame starts.
-pub(super) fn check(stamps: &[Stamp], lines: &[u64], violations: &mut Violations) {
+/// - `places`: where each frame starts.
+pub(super) fn check(
+    stamps: &[Stamp],
+    places: &[impl Clone + Into<Place>],
+    violations: &mut Violations,
+) {
     let steps = steps(stamps);
     let Some(usual) = lower_median(&mut steps.clone()) else { return };
     let is_off = |step: f64| step > FACTOR * usual || step * FACTOR < usual;
@@ -47,7 +51,7 @@ pub(super) fn check(stamps: &[Stamp], lines: &[u64], violations: &mut Violations
         let median = lower_median(&mut window.to_vec()).filter(|median| is_off(*median));
         if let (Some(median), false) = (median, inside) {
             let reason = Reason::MixedRates { rate: median.recip(), usual: usual.recip() };
-            violations.add(lines[at + first], reason);
+            violations.add(places[at + first].clone(), reason);
         }
         inside = median.is_some();
     }
@@ -57,7 +61,7 @@ pub(super) fn check(stamps: &[Stamp], lines: &[u64], violations: &mut Violations
 mod tests {
     use super::*;
 
-    fn check_steps(milliseconds: &[i64]) -> Vec<(u64, String)> {
+    fn check_steps(milliseconds: &[i64]) -> Vec<(Place, String)> {
         let mut stamps = vec![Stamp(0)];
         for step in milliseconds {
             stamps.push(Stamp(stamps[stamps.len() - 1].0 + step * 1_000_000));
@@ -66,7 +70,7 @@ mod tests {
         let mut violations = Violations::default();
         check(&stamps, &lines, &mut violations);
         let found = violations.or(None::<()>).unwrap_err();
-        found.violations().iter().map(|v| (v.line, v.reason.to_string())).collect()
+        found.violations().iter().map(|v| (v.place.clone(), v.reason.to_string())).collect()
     }
 
     #[test]
@@ -82,6 +86,6 @@ mod tests {
     fn a_change_is_named_once_where_it_starts() {
         let found = check_steps(&[33, 33, 33, 33, 33, 33, 66, 66, 66, 66, 66, 66]);
         let text = "mixed rates: 15.2 Hz from here on, 30.3 Hz in most of the file";
-        assert_eq!(found, [(62, text.into())]);
+        assert_eq!(found, [(Place::Line(62), text.into())]);
     }
 }

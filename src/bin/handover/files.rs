@@ -3,11 +3,13 @@
 //! The order is that of the arguments, and within a folder that of names, whatever the threads do.
 
 mod acclaim;
+mod bag;
 mod names;
 mod search;
 mod upright;
 mod write;
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -23,8 +25,8 @@ use crate::output::Output;
 use crate::progress::Progress;
 use names::{Place, distinct_names};
 use search::Found;
-pub(crate) use search::about;
-pub(crate) use write::{Growing, check_out, check_place, write, write_bytes, write_text};
+pub(crate) use search::{about, is_bag};
+pub(crate) use write::{Growing, Target, check_out, check_place, write, write_bytes, write_text};
 
 /// No recording or model is as large; what claims to be must not fill the memory.
 const LARGEST: u64 = 1 << 29;
@@ -36,14 +38,25 @@ pub(crate) struct Loaded {
     pub(crate) path: PathBuf,
     pub(crate) recording: Recording,
     pub(crate) format: Format,
-    /// Of the file's bytes: 64 hexadecimal digits.
+    /// Of the file's bytes, a bag's files one after another: 64 hexadecimal digits.
     pub(crate) sha256: String,
+    /// What of a damaged bag could not be read.
+    pub(crate) losses: Vec<String>,
+    /// What was filled in, interpolated or left out.
+    pub(crate) notes: Vec<String>,
 }
 
 impl Loaded {
     /// The same under another name.
     fn named(self, name: String) -> Self {
         Self { recording: self.recording.renamed(name), ..self }
+    }
+
+    /// Says what was lost of it, and what was mended.
+    fn tell(&self, output: &Output) {
+        let path = self.path.display();
+        self.losses.iter().for_each(|loss| output.loss(&format!("{path}: {loss}")));
+        self.notes.iter().for_each(|note| output.note(&format!("note: {path}: {note}")));
     }
 }
 
@@ -59,8 +72,7 @@ pub(crate) enum Motion {
 /// What is wrong at one place of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Fault {
-    /// Counted from 1; none where the whole file is meant.
-    pub(crate) line: Option<u64>,
+    pub(crate) place: formats::Place,
     pub(crate) reason: String,
 }
 
@@ -129,13 +141,17 @@ pub(crate) fn read_all(
     selection: &Selection,
     output: &Output,
 ) -> anyhow::Result<Vec<ReadFile>> {
-    let read = |path: &Path, bytes: &[u8], place: &Place| parse(path, bytes, place, selection);
+    let read = |path: &Path, place: &Place| parse(path, place, selection);
     let read = read_each(arguments, selection, search::RECORDINGS, output, read)?;
     let named = read.into_iter().map(|(mut file, name)| {
         file.outcome = file.outcome.map(|loaded| loaded.named(name));
         file
     });
     let named: Vec<ReadFile> = named.collect();
+    named
+        .iter()
+        .filter_map(|file| file.outcome.as_ref().ok())
+        .for_each(|loaded| loaded.tell(output));
     if let Some(note) = upright::note(&named, selection) {
         output.note(&note);
     }
@@ -152,11 +168,12 @@ pub(crate) fn read_motions(
     selection: &Selection,
     output: &Output,
 ) -> anyhow::Result<Vec<(ReadFile<Motion>, String)>> {
-    let read = |path: &Path, bytes: &[u8], place: &Place| {
+    let read = |path: &Path, place: &Place| {
         if search::ends_in(path, &["amc"]) {
-            acclaim::read(path, bytes).map(Motion::Angles)
+            let motion = || acclaim::read(path, &bytes(path)?).map(Motion::Angles);
+            is_of_class(place, None, selection).then(motion)
         } else {
-            parse(path, bytes, place, selection).map(Motion::People)
+            parse(path, place, selection).map(|read| read.map(Motion::People))
         }
     };
     // A skeleton is no motion, and is read with those beside it.
@@ -165,7 +182,13 @@ pub(crate) fn read_motions(
     if motions.is_empty() {
         anyhow::bail!("no motion: a skeleton (.asf) is read with the .amc beside it");
     }
-    read_each(&motions, selection, search::MOTIONS, output, read)
+    let read = read_each(&motions, selection, search::MOTIONS, output, read)?;
+    for (file, _) in &read {
+        if let Ok(Motion::People(loaded)) = &file.outcome {
+            loaded.tell(output);
+        }
+    }
+    Ok(read)
 }
 
 /// Reads files of some endings, each under a name of its own.
@@ -174,14 +197,14 @@ fn read_each<T: Send>(
     selection: &Selection,
     endings: &[&str],
     output: &Output,
-    read: impl Fn(&Path, &[u8], &Place) -> Result<T, Vec<Fault>> + Sync,
+    read: impl Fn(&Path, &Place) -> Option<Result<T, Vec<Fault>>> + Sync,
 ) -> anyhow::Result<Vec<(ReadFile<T>, String)>> {
     let found = search::find(arguments, selection, endings)?;
     let progress = Progress::new(output, "reading", found.len());
     let read: Vec<Option<(Place, ReadFile<T>)>> = found
         .into_par_iter()
         .map(|found| {
-            let read = read_one(found, selection, &read);
+            let read = read_one(found, &read);
             progress.step();
             read
         })
@@ -202,43 +225,73 @@ fn read_each<T: Send>(
 /// `None` if the file is not of the class asked for.
 fn read_one<T>(
     found: Found,
-    selection: &Selection,
-    read: impl Fn(&Path, &[u8], &Place) -> Result<T, Vec<Fault>>,
+    read: impl Fn(&Path, &Place) -> Option<Result<T, Vec<Fault>>>,
 ) -> Option<(Place, ReadFile<T>)> {
     let Found { path, fault } = found;
     let place = Place::of(&path);
-    let outcome = match fault.map_or_else(|| bytes(&path), |fault| Err(vec![fault])) {
-        Err(faults) => Err(faults),
-        Ok(bytes) => {
-            let metadata = csv::metadata(&bytes);
-            let class = place.class().or(metadata.get("class").map(String::as_str));
-            if selection.class.is_some() && class != selection.class.as_deref() {
-                return None;
-            }
-            read(&path, &bytes, &place)
-        }
+    let outcome = match fault {
+        Some(fault) => Err(vec![fault]),
+        None => read(&path, &place)?,
     };
     Some((place, ReadFile { path, outcome }))
 }
 
-fn parse(
-    path: &Path,
-    bytes: &[u8],
-    place: &Place,
-    selection: &Selection,
-) -> Result<Loaded, Vec<Fault>> {
+/// A recording, of whatever format; `None` if it is not of the class asked for.
+fn parse(path: &Path, place: &Place, selection: &Selection) -> Option<Result<Loaded, Vec<Fault>>> {
+    if path.is_dir() {
+        let bag = bag::Bag::open(path).and_then(|bag| bag.read(path, place, selection));
+        return of_class(bag, place, selection);
+    }
+    let bytes = match bytes(path) {
+        Ok(bytes) => bytes,
+        Err(faults) => return Some(Err(faults)),
+    };
+    let format = formats::detect(&bytes);
+    if let Ok(Format::Mcap | Format::Sqlite) = format {
+        let bag = bag::Bag::of_file(path, bytes).read(path, place, selection);
+        return of_class(bag, place, selection);
+    }
+    if !is_of_class(place, Some(&csv::metadata(&bytes)), selection) {
+        return None;
+    }
     let read = || {
-        let format = formats::detect(bytes)?;
-        let recording = formats::read(bytes, &place.name(0), selection.up_axis())?;
+        let format = format?;
+        let recording = formats::read(&bytes, &place.name(0), selection.up_axis())?;
         Ok((format, recording.with_metadata(place.metadata())))
     };
-    let (format, recording) = read().map_err(|error| faults(&error))?;
-    Ok(Loaded { path: path.to_owned(), recording, format, sha256: sha256(bytes) })
+    Some(read().map_err(|error| faults(&error)).map(|(format, recording)| Loaded {
+        path: path.to_owned(),
+        recording,
+        format,
+        sha256: hexadecimal(&Sha256::digest(&bytes)),
+        losses: Vec::new(),
+        notes: Vec::new(),
+    }))
 }
 
-/// What tells these bytes from any others: 64 hexadecimal digits.
-fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+/// What was read, unless it is of another class than the one asked for; a bag says so inside.
+fn of_class(
+    read: Result<Loaded, Vec<Fault>>,
+    place: &Place,
+    selection: &Selection,
+) -> Option<Result<Loaded, Vec<Fault>>> {
+    let metadata = read.as_ref().ok().map(|loaded| loaded.recording.metadata());
+    is_of_class(place, metadata, selection).then_some(read)
+}
+
+/// Whether the class, by the folders or by what is known of the clip, is the one asked for.
+fn is_of_class(
+    place: &Place,
+    metadata: Option<&BTreeMap<String, String>>,
+    selection: &Selection,
+) -> bool {
+    let class = place.class().or_else(|| Some(metadata?.get("class")?.as_str()));
+    selection.class.is_none() || class == selection.class.as_deref()
+}
+
+/// A hash as text.
+fn hexadecimal(hash: &[u8]) -> String {
+    hash.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Whether a file's ending says that it holds a model.
@@ -286,7 +339,10 @@ pub(crate) fn bytes(path: &Path) -> Result<Vec<u8>, Vec<Fault>> {
 fn faults(error: &ReadError) -> Vec<Fault> {
     let each = error.violations().iter();
     let mut faults: Vec<Fault> = each
-        .map(|violation| Fault { line: Some(violation.line), reason: violation.reason.to_string() })
+        .map(|violation| Fault {
+            place: violation.place.clone(),
+            reason: violation.reason.to_string(),
+        })
         .collect();
     if error.more() > 0 {
         faults.push(Fault::of_file(format!("... and {} more", error.more())));
@@ -297,19 +353,29 @@ fn faults(error: &ReadError) -> Vec<Fault> {
 impl Fault {
     /// Of the whole file.
     pub(crate) fn of_file(reason: String) -> Self {
-        Self { line: None, reason }
+        Self { place: formats::Place::File, reason }
     }
 
-    /// `line 3: reason`.
+    /// `line 3: reason`, `message 17 of /giver/skeleton: reason`.
     pub(crate) fn text(&self) -> String {
-        match self.line {
-            Some(line) => format!("line {line}: {}", self.reason),
-            None => self.reason.clone(),
+        match self.place {
+            formats::Place::File => self.reason.clone(),
+            _ => format!("{}: {}", self.place, self.reason),
         }
     }
 
-    /// `{"line", "reason"}`, the line null where the whole file is meant.
+    /// `{"line", "message", "topic", "reason"}`; null what does not say where it is.
     pub(crate) fn json(&self) -> serde_json::Value {
-        serde_json::json!({ "line": self.line, "reason": self.reason })
+        let (line, message, topic) = match &self.place {
+            formats::Place::File => (None, None, None),
+            formats::Place::Line(line) => (Some(line), None, None),
+            formats::Place::Message { topic, number } => (None, Some(number), Some(topic)),
+        };
+        serde_json::json!({
+            "line": line,
+            "message": message,
+            "topic": topic,
+            "reason": self.reason,
+        })
     }
 }

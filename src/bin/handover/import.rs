@@ -1,4 +1,4 @@
-//! `handover import`: recordings of any known format → CSV.
+//! `handover import`: recordings of any known format → CSV or bags.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -9,29 +9,29 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use crate::args::Import;
-use crate::files::{self, BadFile, Fault};
+use crate::files::{self, BadFile, Fault, Target};
 use crate::output::Output;
 use crate::progress::Progress;
 use crate::{Outcome, UsageError};
 
-/// Endings that name a file, so no folder of recordings.
-const FILE_ENDINGS: [&str; 6] = ["csv", "txt", "mcap", "db3", "bag", "json"];
+/// Endings that name one recording, so no folder of them.
+const ENDINGS: [&str; 6] = ["csv", "txt", "mcap", "db3", "bag", "json"];
 
 /// Reads, writes and says what was left out.
 pub(crate) fn run(import: &Import, output: &Output) -> anyhow::Result<Outcome> {
     let (source, out) = (&import.source, &import.out);
-    let about = files::about(source)?;
+    let is_folder = files::about(source)?.is_dir() && !files::is_bag(source);
     if out.canonicalize().is_ok_and(|out| source.canonicalize().is_ok_and(|s| s == out)) {
         bail!(UsageError(format!("{} is the input and would be overwritten", out.display())));
     }
-    if about.is_dir() {
+    if is_folder {
         check_folder(out)?
     } else {
         check_file(out)?
     }
     let read = files::load(std::slice::from_ref(source), &import.selection, output)?;
     let mut bad = read.bad;
-    let targets = if about.is_dir() {
+    let targets = if is_folder {
         fs::create_dir_all(out).with_context(|| format!("cannot make {}", out.display()))?;
         folder_targets(out, read.recordings.iter().map(|loaded| loaded.recording.name()))
     } else {
@@ -47,7 +47,7 @@ pub(crate) fn run(import: &Import, output: &Output) -> anyhow::Result<Outcome> {
             progress.step();
             wrote.map(|()| target.clone()).map_err(|error| BadFile {
                 path: target,
-                faults: vec![Fault { line: None, reason: format!("{error:#}") }],
+                faults: vec![Fault::of_file(format!("{error:#}"))],
             })
         })
         .collect();
@@ -87,27 +87,33 @@ fn report(written: &[PathBuf], bad: &[BadFile], output: &Output) -> anyhow::Resu
 }
 
 fn check_file(out: &Path) -> anyhow::Result<()> {
+    let target = Target::of(out);
+    let shown = out.display();
+    if target == Some(Target::Bag) {
+        if out.exists() {
+            bail!(UsageError(format!("{shown} exists, and a bag is not written over it")));
+        }
+        return Ok(());
+    }
     if out.is_dir() {
         bail!(UsageError(format!(
-            "{} is a folder, SRC is a file (hint: name a file ending in .csv)",
-            out.display()
+            "{shown} is a folder, SRC is one recording (hint: name a file ending in .csv or .mcap)"
         )));
     }
-    match ending(out).as_deref() {
-        Some("csv") => Ok(()),
-        Some(ending) => bail!(UsageError(format!(
-            "{}: cannot write '.{ending}'; files are written as .csv",
-            out.display()
+    match (target, ending(out)) {
+        (Some(_), _) => Ok(()),
+        (None, Some(ending)) => bail!(UsageError(format!(
+            "{shown}: cannot write '.{ending}'; recordings are written as .csv, .mcap or .bag"
         ))),
-        None => bail!(UsageError(format!(
-            "{}: an ending says what to write, and there is none; files are written as .csv",
-            out.display()
+        (None, None) => bail!(UsageError(format!(
+            "{shown}: an ending says what to write, and there is none; recordings are written as \
+             .csv, .mcap or .bag (a folder, as is a name that ends in /)"
         ))),
     }
 }
 
 fn check_folder(out: &Path) -> anyhow::Result<()> {
-    let named_as_file = ending(out).is_some_and(|e| FILE_ENDINGS.contains(&e.as_str()));
+    let named_as_file = ending(out).is_some_and(|e| ENDINGS.contains(&e.as_str()));
     if out.is_file() || (named_as_file && !out.is_dir()) {
         bail!(UsageError(format!(
             "{} names a file, SRC is a folder (hint: name a folder to write to)",

@@ -55,6 +55,7 @@ fn main() -> ExitCode {
     };
     let output = Output::new(&arguments.global);
     let code = match run(&arguments, &output) {
+        Ok(Outcome::Done) if output.has_lost() => 3,
         Ok(Outcome::Done) => 0,
         Ok(Outcome::Failed) => 1,
         Ok(Outcome::Loss) => 3,

@@ -1,21 +1,23 @@
 //! Where words go: data to stdout, talk to stderr.
 
 use std::io::{self, IsTerminal as _, Write as _};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde_json::Value;
 
 use crate::args::Global;
 
-/// Knows who is listening.
-#[derive(Debug, Clone, Copy)]
+/// Knows who is listening, and whether something was told that makes the exit code 3.
+#[derive(Debug)]
 pub(crate) struct Output {
     json: bool,
     quiet: bool,
+    lost: AtomicBool,
 }
 
 impl Output {
     pub(crate) fn new(global: &Global) -> Self {
-        Self { json: global.json, quiet: global.quiet }
+        Self { json: global.json, quiet: global.quiet, lost: AtomicBool::new(false) }
     }
 
     /// The command's result on stdout: `value` for programs, else `text` for people.
@@ -44,6 +46,17 @@ impl Output {
     pub(crate) fn problem(&self, text: &str) {
         // Where stderr is closed there is nobody left to tell.
         let _ = writeln!(io::stderr(), "{text}");
+    }
+
+    /// Something of an input that is lost, though the rest of it is used.
+    pub(crate) fn loss(&self, text: &str) {
+        self.lost.store(true, Ordering::Relaxed);
+        self.problem(&format!("lost: {text}"));
+    }
+
+    /// Whether something was lost.
+    pub(crate) fn has_lost(&self) -> bool {
+        self.lost.load(Ordering::Relaxed)
     }
 
     /// Whether a progress bar has somebody to look at it.

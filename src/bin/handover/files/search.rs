@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 
-use super::Fault;
+use super::{Fault, bag};
 use crate::args::Selection;
 
 /// Endings of files that may be recordings.
-pub(super) const RECORDINGS: &[&str] = &["csv", "txt"];
+pub(super) const RECORDINGS: &[&str] = &["csv", "txt", "mcap", "db3", "zstd"];
 /// Endings of files that may hold somebody's motion: recordings, and one person's joint angles.
-pub(super) const MOTIONS: &[&str] = &["csv", "txt", "amc"];
+pub(super) const MOTIONS: &[&str] = &["csv", "txt", "mcap", "db3", "zstd", "amc"];
 /// No tree of recordings is as deep.
 const DEEPEST: usize = 64;
 
@@ -36,7 +36,7 @@ pub(super) fn find(
     for argument in arguments {
         let about = about(argument)?;
         let mut here = Vec::new();
-        if about.is_dir() {
+        if about.is_dir() && !bag::is_bag(argument) {
             search(argument, 0, endings, &mut here);
             here.retain(|file| matches(file, argument, selection));
             if here.is_empty() {
@@ -106,12 +106,22 @@ fn search(folder: &Path, depth: usize, endings: &[&str], found: &mut Vec<Found>)
             continue;
         }
         if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+            if bag::is_bag(&path) {
+                // One recording, whatever files it is in.
+                found.push(Found { path, fault: None });
+                continue;
+            }
             search(&path, depth + 1, endings, found);
         } else if ends_in(&path, endings) && fs::metadata(&path).is_ok_and(|about| about.is_file())
         {
             found.push(Found { path, fault: None });
         }
     }
+}
+
+/// Whether a folder is no folder of recordings but one recording.
+pub(crate) fn is_bag(folder: &Path) -> bool {
+    bag::is_bag(folder)
 }
 
 /// Whether a file's ending says that it may be a recording.

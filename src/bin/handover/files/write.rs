@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use handover_mesh::Recording;
-use handover_mesh::formats::csv;
+use handover_mesh::formats::{bag, csv};
 
-use super::search::is_recording;
+use super::search::{ends_in, is_recording};
 use crate::UsageError;
 
 /// Refuses, before any work is done, an output that cannot be meant: another ending, a folder that
@@ -51,9 +51,63 @@ pub(crate) fn check_place(out: &Path, inputs: &[PathBuf]) -> anyhow::Result<()> 
     Ok(())
 }
 
-/// Writes a recording as CSV.
+/// What a recording is written as, by its target's ending.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Target {
+    /// `.csv`
+    Csv,
+    /// `.mcap`: a bag in one file.
+    Mcap,
+    /// `.bag`, or a name that ends in `/`: a bag as a folder.
+    Bag,
+}
+
+impl Target {
+    /// `None` of an ending that says nothing.
+    pub(crate) fn of(target: &Path) -> Option<Self> {
+        if target.as_os_str().as_encoded_bytes().ends_with(b"/") {
+            return Some(Self::Bag);
+        }
+        let known = [("csv", Self::Csv), ("mcap", Self::Mcap), ("bag", Self::Bag)];
+        known.into_iter().find(|(ending, _)| ends_in(target, &[ending])).map(|(_, target)| target)
+    }
+}
+
+/// Writes a recording as its target's ending says, whole or not at all.
 pub(crate) fn write(recording: &Recording, target: &Path) -> anyhow::Result<()> {
-    write_text(&csv::write(recording)?, target)
+    match Target::of(target) {
+        Some(Target::Bag) => write_folder(recording, target),
+        Some(Target::Mcap) => {
+            let name = file_name(target)?;
+            write_bytes(&bag::write(recording, &name)?.mcap, target)
+        }
+        _ => write_text(&csv::write(recording)?, target),
+    }
+}
+
+/// A folder grows under another name, too, and no folder that is there is touched.
+fn write_folder(recording: &Recording, target: &Path) -> anyhow::Result<()> {
+    if target.exists() {
+        bail!("{} exists, and a bag is not written over it", target.display());
+    }
+    let stem = target.file_stem().context("no folder name")?.to_string_lossy().into_owned();
+    let file = format!("{stem}_0.mcap");
+    let written = bag::write(recording, &file)?;
+    let beside = target.with_file_name(format!(".{stem}.{}.tmp", std::process::id()));
+    let made = fs::create_dir(&beside).with_context(|| cannot_write(target)).and_then(|()| {
+        write_bytes(&written.mcap, &beside.join(&file))?;
+        write_text(&written.metadata, &beside.join(bag::METADATA_FILE))?;
+        fs::rename(&beside, target).with_context(|| cannot_write(target))
+    });
+    if made.is_err() {
+        // The first error is the one to tell.
+        let _ = fs::remove_dir_all(&beside);
+    }
+    made
+}
+
+fn file_name(target: &Path) -> anyhow::Result<String> {
+    Ok(target.file_name().context("no file name")?.to_string_lossy().into_owned())
 }
 
 /// Writes a text, whole or not at all.

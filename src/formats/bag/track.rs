@@ -1,0 +1,161 @@
+//! Somebody's messages → places of the same joints at rising stamps, where they are known.
+//!
+//! A joint is one of the person's if it is tracked in at least half of the messages; what is
+//! tracked now and then only is left out, which is said.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::super::error::{Place, Reason, Violations, shortened};
+use super::super::field::FARTHEST;
+use super::super::rate;
+use super::super::up::UpAxis;
+use super::collect::Track;
+use super::frames::Statics;
+use super::people::Candidate;
+use crate::geometry::{Isometry, Point};
+use crate::skeleton::{Part, Skeleton, SkeletonError};
+use crate::time::Stamp;
+
+/// Places by frame and joint; at least one frame.
+pub(super) struct Timeline {
+    pub(super) name: String,
+    pub(super) topic: String,
+    pub(super) skeleton: Arc<Skeleton>,
+    /// Rising.
+    pub(super) stamps: Vec<Stamp>,
+    /// The message of each stamp.
+    pub(super) numbers: Vec<u64>,
+    /// `frames × joints`.
+    pub(super) places: Vec<Option<Point>>,
+}
+
+impl Timeline {
+    /// The place of a message in the file.
+    pub(super) fn message(&self, frame: usize) -> Place {
+        Place::Message { topic: self.topic.clone(), number: self.numbers[frame] }
+    }
+
+    /// Where the joints are at a frame.
+    pub(super) fn frame(&self, frame: usize) -> &[Option<Point>] {
+        let joints = self.skeleton.len();
+        &self.places[frame * joints..(frame + 1) * joints]
+    }
+}
+
+/// How a track's places are seen from the frame of all: nothing changes in that frame itself.
+pub(super) struct View<'a> {
+    pub(super) frame: &'a str,
+    pub(super) statics: &'a Statics,
+    pub(super) up: UpAxis,
+}
+
+impl View<'_> {
+    /// Turns a track's places, whose frame is its first message's; what is in others is noted.
+    pub(super) fn turn(&self, track: &mut Track, violations: &mut Violations) {
+        let mut known: BTreeMap<String, Option<Isometry>> = BTreeMap::new();
+        for (number, body) in &mut track.seen {
+            let place = || Place::Message { topic: track.topic.clone(), number: *number };
+            if body.frame != self.frame {
+                let found = known.entry(body.frame.clone());
+                let between = || self.statics.between(self.frame, &body.frame);
+                let Some(here_from_there) = found.or_insert_with(between) else {
+                    let (frame, other) = (shortened(&body.frame), shortened(self.frame));
+                    violations.add(place(), Reason::Frames { frame, other });
+                    continue;
+                };
+                for (_, point) in &mut body.joints {
+                    *point = *here_from_there * *point;
+                }
+            }
+            for (name, point) in &mut body.joints {
+                if let Some(metres) = point.iter().copied().find(|c| c.abs() > FARTHEST) {
+                    violations.add(place(), Reason::TooFar { field: shortened(name), metres });
+                }
+                *point = self.up.to_z_up(*point);
+            }
+        }
+    }
+}
+
+/// Sorts out joints and stamps; `None` if the joints are no skeleton, which is noted.
+pub(super) fn timeline(
+    candidate: Candidate,
+    notes: &mut Vec<String>,
+    violations: &mut Violations,
+) -> Option<Timeline> {
+    let Candidate { name, mut track } = candidate;
+    in_time(&mut track, violations);
+    let names = joints(&name, &track, notes, violations);
+    let skeleton = match Skeleton::from_names(names) {
+        Ok(skeleton) => Arc::new(skeleton),
+        // Which are not known has been noted.
+        Err(SkeletonError::Unknown { .. }) => return None,
+        Err(source) => {
+            violations.add(Place::File, Reason::Skeleton { person: name, source });
+            return None;
+        }
+    };
+    let mut places = vec![None; track.seen.len() * skeleton.len()];
+    for ((_, body), row) in track.seen.iter().zip(places.chunks_exact_mut(skeleton.len())) {
+        for (joint, place) in &body.joints {
+            if let Some(joint) = skeleton.joint(joint) {
+                row[joint.index()] = Some(*place);
+            }
+        }
+    }
+    let (numbers, stamps): (Vec<u64>, Vec<Stamp>) =
+        track.seen.iter().map(|(number, body)| (*number, body.stamp)).unzip();
+    let messages: Vec<Place> = numbers
+        .iter()
+        .map(|number| Place::Message { topic: track.topic.clone(), number: *number })
+        .collect();
+    rate::check(&stamps, &messages, violations);
+    Some(Timeline { name, topic: track.topic, skeleton, stamps, numbers, places })
+}
+
+/// Leaves out what was sent twice, and notes stamps that do not rise.
+pub(super) fn in_time(track: &mut Track, violations: &mut Violations) {
+    track.seen.dedup_by(|(_, next), (_, body)| next == body);
+    for pair in track.seen.windows(2) {
+        let [(_, body), (number, next)] = pair else { continue };
+        if next.stamp <= body.stamp {
+            let place = Place::Message { topic: track.topic.clone(), number: *number };
+            violations.add(place, Reason::StampOrder { time: next.stamp, before: body.stamp });
+        }
+    }
+}
+
+/// The names of the joints that are tracked in at least half of the messages, in canonical order.
+fn joints(
+    person: &str,
+    track: &Track,
+    notes: &mut Vec<String>,
+    violations: &mut Violations,
+) -> Vec<String> {
+    let mut counts: BTreeMap<&str, (usize, u64)> = BTreeMap::new();
+    for (number, body) in &track.seen {
+        for (joint, _) in &body.joints {
+            counts.entry(joint).or_insert((0, *number)).0 += 1;
+        }
+    }
+    let frames = track.seen.len();
+    let mut names = Vec::new();
+    for (joint, (count, first)) in counts {
+        if Part::from_name(joint).is_none() {
+            let (person, joint) = (person.to_owned(), shortened(joint));
+            let place = Place::Message { topic: track.topic.clone(), number: first };
+            violations.add(place, Reason::UnknownJoint { person, joint });
+        }
+        if 2 * count >= frames {
+            names.push(joint.to_owned());
+        } else {
+            let joint = shortened(joint);
+            notes.push(format!(
+                "left out: '{joint}' of {person}, tracked in {count} of {frames} messages"
+            ));
+        }
+    }
+    Skeleton::sort_names(&mut names);
+    names
+}
