@@ -16,7 +16,7 @@ use super::lifecycle::LifecycleServer;
 use super::parameters::{ParameterServer, ParameterServerError};
 use super::shell::{RosClock, Stop};
 use super::subscriptions::Subscriptions;
-use super::ticker::{Command, Publishers, Ticker};
+use super::ticker::{Command, Publishers, Ticker, Ticking};
 use super::triggers::{Asked, Triggers};
 use crate::config::{Config, Kind, NodeSettings};
 use crate::lifecycle::{Outcome, State, Step};
@@ -39,6 +39,10 @@ const ALWAYS: [&str; 6] = [
     "node.markers_rate",
     "node.diagnostics_rate",
 ];
+
+/// Sections of parameters that a model was learned with and that the tick reads.
+const OF_THE_TICK: [&str; 6] =
+    ["robot.", "observation.", "reference.", "mesh.", "retarget.", "forecast."];
 
 /// How long the node waits for something to do: as long as it takes to notice that it is to end.
 const IDLE: Duration = Duration::from_millis(20);
@@ -103,10 +107,15 @@ impl Handover {
         let inbox = Arc::new(Inbox::default());
         let subscriptions = Subscriptions::new(node, settings.source)?;
         let publishers = Publishers::new(node)?;
-        let is_simulated = parameters.table().is_true("use_sim_time");
-        let name = node.fully_qualified_name()?;
-        let clock = RosClock::of(node);
-        let ticker = Ticker::new(clock, inbox.clone(), publishers, name, is_simulated)?;
+        let ticking = Ticking {
+            clock: RosClock::of(node),
+            inbox: inbox.clone(),
+            publishers,
+            logger: logger.clone(),
+            node_name: node.fully_qualified_name()?,
+            is_simulated: parameters.table().is_true("use_sim_time"),
+        };
+        let ticker = Ticker::new(ticking)?;
         let mut handover = Self {
             lifecycle: LifecycleServer::new(node)?,
             triggers: Triggers::new(node)?,
@@ -267,7 +276,9 @@ impl Handover {
             given.into_iter().partition(|(key, _)| Config::is_of_the_robot(key));
         let node = NodeSettings::default();
         let models = models.into_iter().filter(|(key, _)| !key.starts_with("node."));
-        for change in model.with_values(&node, models)?.2 {
+        let changes = model.with_values(&node, models)?.2;
+        let counts = |key: &str| OF_THE_TICK.iter().any(|section| key.starts_with(section));
+        for change in changes.iter().filter(|change| counts(&change.key)) {
             r2r::log_warn!(
                 &self.logger,
                 "{} is {}, with which the model was learned; {} counts for nothing",

@@ -85,17 +85,10 @@ impl Ticker {
     ///
     /// # Errors
     /// If there is no room for a thread.
-    pub(super) fn new(
-        clock: RosClock,
-        inbox: Arc<Inbox>,
-        publishers: Publishers,
-        node_name: String,
-        is_simulated: bool,
-    ) -> Result<Self> {
+    pub(super) fn new(ticking: Ticking) -> Result<Self> {
         let (commands, receiver) = mpsc::channel();
-        let ticking = Ticking { clock, inbox, publishers, node_name, is_simulated, receiver };
         let thread = thread::Builder::new().name("tick".to_owned());
-        let thread = thread.spawn(move || ticking.run()).context("the ticking thread")?;
+        let thread = thread.spawn(move || ticking.run(&receiver)).context("the ticking thread")?;
         Ok(Self { commands, handle: thread.thread().clone(), thread: Some(thread) })
     }
 
@@ -123,21 +116,23 @@ impl Drop for Ticker {
     }
 }
 
-/// The same from inside.
-struct Ticking {
-    clock: RosClock,
-    inbox: Arc<Inbox>,
-    publishers: Publishers,
-    node_name: String,
-    is_simulated: bool,
-    receiver: Receiver<Command>,
+/// What the thread works with.
+pub(super) struct Ticking {
+    pub(super) clock: RosClock,
+    pub(super) inbox: Arc<Inbox>,
+    pub(super) publishers: Publishers,
+    pub(super) logger: String,
+    /// Before the names of diagnostics.
+    pub(super) node_name: String,
+    /// Whether time is that of `/clock`.
+    pub(super) is_simulated: bool,
 }
 
 impl Ticking {
-    fn run(self) {
+    fn run(self, receiver: &Receiver<Command>) {
         let mut running: Option<Running> = None;
         loop {
-            while let Ok(command) = self.receiver.try_recv() {
+            while let Ok(command) = receiver.try_recv() {
                 match (command, running.as_mut()) {
                     (Command::Start(live, period), _) => running = Some(Running::new(live, period)),
                     (Command::Stop, _) => running = None,
@@ -153,6 +148,11 @@ impl Ticking {
                 continue;
             };
             let now = self.clock.now();
+            if self.is_simulated && now == Stamp(0) {
+                // Nobody has said what time it is.
+                thread::park_timeout(Duration::from_millis(5));
+                continue;
+            }
             let wait = running.wait(now, self.inbox.has_body());
             if wait.0 > 0 {
                 // Simulated time wakes nobody when it comes.
@@ -174,11 +174,11 @@ impl Ticking {
             status.name = format!("{}: {}", self.node_name, status.name);
         }
         if let Err(error) = self.publishers.publish(&outputs) {
-            r2r::log_error!(&self.node_name, "cannot publish: {error:#}");
+            r2r::log_error!(&self.logger, "cannot publish: {error:#}");
         }
         if running.reason != Some(outputs.reason) {
             let text = outputs.reason.map_or("moves", HoldReason::name);
-            r2r::log_info!(&self.node_name, "{text}");
+            r2r::log_info!(&self.logger, "{text}");
             running.reason = Some(outputs.reason);
         }
         running.ticked(now);

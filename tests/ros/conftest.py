@@ -64,3 +64,37 @@ def recordings(tmp_path_factory):
     made.run("handover_sim", "generate", "--count", 6, "--seed", 1, "--noise", "kinect", "-o",
              folder / "made")
     return folder / "made" / "measured"
+
+
+@pytest.fixture(scope="session")
+def model(recordings, tmp_path_factory):
+    """A model of a robot giver, learned from all recordings but the third."""
+    folder = tmp_path_factory.mktemp("model")
+    made = Programs(folders_of_programs(), folder)
+    clips = sorted(recordings.glob("*.csv"))
+    del clips[2]
+    path = folder / "model.safetensors"
+    # One edge, between the hands, is what learning ends with; it takes longer.
+    made.run("handover", "learn", *clips, "--role", "giver", "--method", "grow", "--set",
+             "learn.steps=1", "--set", "learn.references=1", "-o", path)
+    return path
+
+
+@pytest.fixture(scope="session")
+def clip(recordings):
+    """The recording that the model does not know."""
+    from handover import Clip
+
+    return Clip(sorted(recordings.glob("*.csv"))[2])
+
+
+@pytest.fixture
+def handover(programs, model):
+    """Starts a handover node that is active at once, or as told."""
+    def start(parameters=None, **how):
+        given = {"node.model": str(model), "node.autostart": True, **(parameters or {})}
+        process = programs.start("handover_node", parameters=given, **how)
+        if given["node.autostart"]:
+            process.says("]: active", 30.0)
+        return process
+    return start

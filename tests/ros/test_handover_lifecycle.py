@@ -1,0 +1,148 @@
+"""The handover node's life and parameters, as launch files and `ros2 param` lead them."""
+
+import time
+
+import pytest
+from lifecycle_msgs.msg import TransitionEvent
+from lifecycle_msgs.srv import GetAvailableStates, GetAvailableTransitions
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import DescribeParameters, ListParameters, SetParametersAtomically
+from std_srvs.srv import Trigger
+
+from conftest import ROOT
+from handover import Meeting
+from peer import RELIABLE
+from processes import wait_for
+
+NODE = "/handover"
+
+
+@pytest.fixture
+def waiting(handover):
+    """A node that waits to be configured."""
+    return handover({"node.autostart": False})
+
+
+def test_the_whole_life(waiting, ros, clip):
+    events = ros.listen(TransitionEvent, f"{NODE}/transition_event", RELIABLE)
+    meeting = Meeting(ros, clip)
+    assert ros.state(NODE) == "unconfigured"
+    assert not ros.change_state(NODE, "activate"), "not before it is configured"
+    wait_for(lambda: ros.node.count_publishers(f"{NODE}/transition_event") > 0)
+    time.sleep(0.3)
+    assert ros.change_state(NODE, "configure")
+    assert ros.state(NODE) == "inactive"
+    meeting.play(end=10)
+    assert meeting.targets.count == 0, "an inactive node says nothing"
+    assert not ros.call(Trigger, f"{NODE}/cancel").success
+    assert ros.change_state(NODE, "activate")
+    assert ros.state(NODE) == "active"
+    meeting.play(end=30)
+    assert meeting.targets.count > 0
+    assert ros.change_state(NODE, "deactivate")
+    time.sleep(0.1)
+    meeting.targets.clear()
+    meeting.play(start=30, end=40)
+    assert meeting.targets.count == 0
+    assert ros.change_state(NODE, "activate"), "as often as one likes"
+    meeting.play(end=20)
+    assert meeting.targets.count > 0
+    assert ros.change_state(NODE, "deactivate") and ros.change_state(NODE, "cleanup")
+    assert ros.state(NODE) == "unconfigured"
+    expected = ["configuring", "inactive", "activating", "active", "deactivating", "inactive",
+                "activating", "active", "deactivating", "inactive", "cleaningup", "unconfigured"]
+    assert [event.goal_state.label for event in events.wait(len(expected))] == expected
+    assert ros.change_state(NODE, "unconfigured_shutdown")
+    assert waiting.wait() == 0
+
+
+def test_states_and_transitions_are_those_of_lifecycle_nodes(waiting, ros):
+    states = ros.call(GetAvailableStates, f"{NODE}/get_available_states").available_states
+    assert {state.label for state in states} >= {"unconfigured", "inactive", "active", "finalized"}
+    ways = ros.call(GetAvailableTransitions, f"{NODE}/get_available_transitions")
+    assert [way.transition.label for way in ways.available_transitions] == ["configure", "shutdown"]
+    graph = ros.call(GetAvailableTransitions, f"{NODE}/get_transition_graph")
+    ways = {(way.start_state.label, way.transition.label, way.goal_state.label)
+            for way in graph.available_transitions}
+    assert ("inactive", "activate", "activating") in ways and len(ways) == 25
+
+
+@pytest.mark.parametrize(("parameters", "words"), [
+    ({"node.model": ""}, "node.model is not set"),
+    ({"node.model": "/nowhere/model.safetensors"}, "/nowhere/model.safetensors"),
+    ({"node.model": str(ROOT / "README.md")}, "README.md"),
+    ({"node.role": "receiver"}, "node.role is receiver, but the robot of"),
+])
+def test_what_cannot_be_configured_is_said_and_may_be_mended(
+        handover, ros, model, parameters, words):
+    process = handover({"node.autostart": False, **parameters})
+    assert not ros.change_state(NODE, "configure")
+    assert ros.state(NODE) == "unconfigured"
+    process.says(words)
+    taken = ros.set_parameters(NODE, node__model=str(model), node__role="")
+    assert all(success for success, _ in taken.values()), taken
+    assert ros.change_state(NODE, "configure")
+
+
+def test_the_shipped_file_is_a_parameter_file(handover, ros, model):
+    handover({"node.autostart": False}, params_file=ROOT / "config" / "handover.yaml")
+    names = ros.call(ListParameters, f"{NODE}/list_parameters").result.names
+    assert {"safety.speed", "filter.stale", "node.rate", "use_sim_time", "mesh.kernel"} <= set(names)
+    assert ros.get_parameters(NODE, "safety.speed", "node.world_frame") == [1.7, "world"]
+    assert ros.change_state(NODE, "configure")
+
+
+def test_parameters_say_what_they_are(waiting, ros):
+    names = ["safety.speed", "track.demonstrations", "node.source", "mesh.scale", "nonsense"]
+    request = DescribeParameters.Request(names=names)
+    speed, count, source, scale, nonsense = ros.call(
+        DescribeParameters, f"{NODE}/describe_parameters", request).descriptors
+    assert "[m/s]" in speed.description and not speed.read_only
+    (bounds,) = speed.floating_point_range
+    assert (bounds.from_value, bounds.to_value) == (0.01, 10.0)
+    assert count.type == ParameterType.PARAMETER_INTEGER
+    assert count.integer_range[0].to_value == 1000
+    assert source.read_only and "skeleton, tf, markers" in source.additional_constraints
+    assert scale.read_only, "it belongs to the model"
+    assert nonsense.type == ParameterType.PARAMETER_NOT_SET
+
+
+def test_parameters_are_set_or_refused_with_a_reason(waiting, ros):
+    def reason(**values):
+        ((success, words),) = ros.set_parameters(NODE, **values).values()
+        assert not success
+        return words
+
+    assert "must be a number from 0.01 to 10" in reason(safety__speed=50.0)
+    assert "must be a number" in reason(safety__speed="fast")
+    assert "belongs to the model" in reason(mesh__scale=3.0)
+    assert "safety.spede is no parameter" in reason(safety__spede=1.0)
+    assert "must be at least safety.lead" in reason(safety__lead=0.4)
+    assert ros.set_parameters(NODE, safety__speed=1)["safety.speed"] == (True, "")
+    assert ros.get_parameters(NODE, "safety.speed") == [1.0]
+    # Together or not at all.
+    both = [Parameter(name="safety.speed", value=ParameterValue(
+                type=ParameterType.PARAMETER_DOUBLE, double_value=0.5)),
+            Parameter(name="safety.jerk", value=ParameterValue(
+                type=ParameterType.PARAMETER_DOUBLE, double_value=-1.0))]
+    request = SetParametersAtomically.Request(parameters=both)
+    answer = ros.call(SetParametersAtomically, f"{NODE}/set_parameters_atomically", request)
+    assert not answer.result.successful and "safety.jerk" in answer.result.reason
+    assert ros.get_parameters(NODE, "safety.speed") == [1.0]
+    assert ros.change_state(NODE, "configure")
+    assert "clean it up first" in reason(safety__speed=0.5)
+    assert ros.set_parameters(NODE, node__start_zone=2.0)["node.start_zone"] == (True, "")
+
+
+def test_all_that_is_wrong_at_the_start_is_said_at_once(programs):
+    process = programs.start("handover_node", parameters={
+        "safety.speed": 99.0, "node.sorce": "tf", "mesh.kernel": "square"})
+    assert process.wait() == 2
+    for words in ["safety.speed is 99", "node.sorce is no parameter", "mesh.kernel is \"square\""]:
+        assert words in process.stderr()
+
+
+def test_help_and_unknown_arguments(programs):
+    assert "node.model" in programs.run("handover_node", "--help")
+    process = programs.start("handover_node", "--frobnicate")
+    assert process.wait() == 2 and "--frobnicate" in process.stderr()
