@@ -7,11 +7,11 @@ from lifecycle_msgs.msg import TransitionEvent
 from lifecycle_msgs.srv import GetAvailableStates, GetAvailableTransitions
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import DescribeParameters, ListParameters, SetParametersAtomically
+from rclpy.qos import QoSProfile
 from std_srvs.srv import Trigger
 
 from conftest import ROOT
 from handover import Meeting
-from peer import RELIABLE
 from processes import wait_for
 
 NODE = "/handover"
@@ -24,7 +24,7 @@ def waiting(handover):
 
 
 def test_the_whole_life(waiting, ros, clip):
-    events = ros.listen(TransitionEvent, f"{NODE}/transition_event", RELIABLE)
+    events = ros.listen(TransitionEvent, f"{NODE}/transition_event", QoSProfile(depth=20))
     meeting = Meeting(ros, clip)
     assert ros.state(NODE) == "unconfigured"
     assert not ros.change_state(NODE, "activate"), "not before it is configured"
