@@ -37,7 +37,7 @@ pub mod statistics;
 pub mod time;
 pub mod track;
 
-pub use config::{Config, ConfigError};
+pub use config::{Config, ConfigError, NodeSettings, RobotState};
 pub use geometry::{Isometry, Point, Vector};
 pub use skeleton::{
     Bone, Frame, JointId, ObjectTrack, Part, Person, Recording, RecordingError, Role, Sequence,

@@ -97,9 +97,7 @@ fn trajectory(model: &OnlineModel, target: &Target, header: Header) -> MultiDofT
     let skeleton = model.library().skeleton(Who::Robot);
     let stands_in = target.stands_in();
     let step = model.library().step().0.max(stands_in.0 / MOST).max(1);
-    let mut joints = target.positions().to_vec();
-    let mut point = |ahead: Span, velocities: &[Vector]| {
-        target.positions_at(ahead, &mut joints);
+    let point = |ahead: Span, joints: &[Point], velocities: &[Vector]| {
         let place =
             |place: &Point| Transform { translation: (*place).into(), ..Transform::default() };
         let twist = |velocity: &Vector| Twist { linear: (*velocity).into(), ..Twist::default() };
@@ -110,11 +108,14 @@ fn trajectory(model: &OnlineModel, target: &Target, header: Header) -> MultiDofT
             time_from_start: Duration::of(ahead),
         }
     };
-    let mut points = vec![point(Span(0), target.velocities())];
+    let mut points = vec![point(Span(0), target.positions(), target.velocities())];
     if stands_in.0 > 0 {
+        let mut joints = target.positions().to_vec();
         let between = (1..).map(|k| Span(k * step)).take_while(|ahead| *ahead < stands_in);
-        points.extend(between.map(|ahead| point(ahead, &[])));
-        points.push(point(stands_in, &[]));
+        points.extend(between.chain([stands_in]).map(|ahead| {
+            target.positions_at(ahead, &mut joints);
+            point(ahead, &joints, &[])
+        }));
     }
     MultiDofTrajectory { header, joint_names: skeleton.names().to_vec(), points }
 }
