@@ -26,6 +26,7 @@ mod write;
 
 pub use folder::{METADATA_FILE, file_names};
 pub use losses::Loss;
+pub use people::{PARTNER, ROBOT};
 pub use write::{WriteError, Writer, Written, write};
 
 use super::error::{ReadError, Reason, Violations, shortened};
