@@ -3,12 +3,13 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
-#[path = "../common/mod.rs"]
-mod common;
 mod hostile;
 mod live;
 mod python;
 mod scenes;
+mod sqlite;
+#[path = "../common/sqlite.rs"]
+mod sqlite_bags;
 
 use std::collections::BTreeMap;
 

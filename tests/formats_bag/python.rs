@@ -19,21 +19,23 @@ use handover_mesh::messages::{
 };
 use serde_json::{Value, json};
 
-use super::common::folder;
 use super::scenes::{Sent, recording};
 
 /// Prints every message of the bag `made`, and what the bag says of its topics.
 const DUMP: &str = r#"
 import dataclasses, json
 import numpy
+from pathlib import Path
 from rosbags.rosbag2 import Reader
+from ruamel.yaml import YAML
 from rosbags.typesys import Stores, get_typestore, get_types_from_msg
 
 store = get_typestore(Stores.ROS2_JAZZY)
 
 def plain(value):
     if dataclasses.is_dataclass(value):
-        names = [f.name for f in dataclasses.fields(value) if f.name != "__msgtype__"]
+        # Constants are in capitals.
+        names = [f.name for f in dataclasses.fields(value) if f.name[0].islower()]
         return {name: plain(getattr(value, name)) for name in names}
     if isinstance(value, numpy.ndarray):
         return value.tolist()
@@ -53,7 +55,8 @@ with Reader("made") as bag:
         same = same and connection.digest == store.hash_rihs01(connection.msgtype)
         qos = connection.ext.offered_qos_profiles[0]
         topics.append([connection.topic, connection.msgcount, same, qos.durability.name])
-    custom = bag.metadata["custom_data"]
+    text = Path("made/metadata.yaml").read_text("utf8")
+    custom = YAML(typ="safe").load(text)["rosbag2_bagfile_information"]["custom_data"]
     print(json.dumps({"messages": messages, "topics": topics, "custom": custom,
                       "count": bag.message_count, "duration": bag.duration}))
 "#;
@@ -63,10 +66,13 @@ const COPY: &str = r#"
 import shutil, struct, sys, zlib
 import lz4.frame
 from pathlib import Path
+from ruamel.yaml import YAML
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, Reader, StoragePlugin, Writer
 from rosbags.typesys import Stores, get_typestore
 
 store = get_typestore(Stores.ROS2_JAZZY)
+text = Path("made/metadata.yaml").read_text("utf8")
+custom = YAML(typ="safe").load(text)["rosbag2_bagfile_information"]["custom_data"]
 ways = {
     "mcap": (StoragePlugin.MCAP, None),
     "mcap_zstd": (StoragePlugin.MCAP, CompressionMode.STORAGE),
@@ -80,7 +86,7 @@ for name, (plugin, mode) in ways.items():
         out = Writer(Path(name), version=9, storage_plugin=plugin)
         if mode:
             out.set_compression(mode, CompressionFormat.ZSTD)
-        for key, value in bag.metadata["custom_data"].items():
+        for key, value in custom.items():
             out.set_custom_data(key, value)
         with out:
             topics = {c.id: out.add_connection(c.topic, c.msgtype, typestore=store)
@@ -229,7 +235,8 @@ fn all_types() -> Vec<(Sent, Value)> {
 #[test]
 fn python_reads_every_type_of_message() {
     let Some(python) = python() else { return };
-    let here = folder(&[("made/.keep", "")]);
+    let here = tempfile::tempdir().unwrap();
+    fs::create_dir(here.path().join("made")).unwrap();
     let mut bag = Writer::new("made_0.mcap").unwrap();
     let messages = all_types();
     for ((topic, type_name, time, data), _) in &messages {
@@ -260,7 +267,8 @@ fn python_reads_every_type_of_message() {
 #[test]
 fn what_python_writes_is_the_same_recording() {
     let Some(python) = python() else { return };
-    let here = folder(&[("made/.keep", "")]);
+    let here = tempfile::tempdir().unwrap();
+    fs::create_dir(here.path().join("made")).unwrap();
     let before = recording(300, [("class".to_owned(), "07".to_owned())].into());
     let written = bag::write(&before, "made_0.mcap").unwrap();
     fs::write(here.path().join("made/made_0.mcap"), written.mcap).unwrap();
