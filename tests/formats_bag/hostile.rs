@@ -107,12 +107,32 @@ fn claimed_sizes_fill_no_memory_of_bags() {
     };
     // Of the record, of what comes out of the chunk, and of what is in it.
     for at in [chunk + 1, chunk + 9 + 16, chunk + 9 + 36] {
-        for claim in [u64::MAX, u64::MAX / 2, 1 << 40, 1 << 33, 0] {
+        for claim in [u64::MAX, u64::MAX / 2, 1 << 40, 1 << 33, 1 << 27, 0] {
             let mut bytes = bytes.clone();
             bytes[at..at + 8].copy_from_slice(&claim.to_le_bytes());
-            let _ = read(&bytes);
+            check_memory(&bytes);
         }
     }
+    // What claims to be empty, and is a gigabyte of zeros.
+    let zeros = vec![0; 1 << 20];
+    let bomb = zstd::encode_all(&zeros[..], 1).unwrap();
+    let mut chunk = [0_u64.to_le_bytes(), 0_u64.to_le_bytes(), 100_u64.to_le_bytes()].concat();
+    chunk.extend([0, 0, 0, 0, 4, 0, 0, 0]);
+    chunk.extend(b"zstd");
+    chunk.extend((1024 * bomb.len() as u64).to_le_bytes());
+    (0..1024).for_each(|_| chunk.extend(&bomb));
+    let mut bytes = b"\x89MCAP0\r\n\x06".to_vec();
+    bytes.extend((chunk.len() as u64).to_le_bytes());
+    bytes.extend(chunk);
+    check_memory(&bytes);
+}
+
+/// Reads, and takes no more memory at a time than a small multiple of the bytes and some blocks.
+#[track_caller]
+fn check_memory(bytes: &[u8]) {
+    let used = allocation_counter::measure(|| drop(read(bytes)));
+    let most = 64 * bytes.len() as u64 + (8 << 20);
+    assert!(used.bytes_max <= most, "{} bytes for {}", used.bytes_max, bytes.len());
 }
 
 #[test]
@@ -137,7 +157,7 @@ fn big_endian_messages_are_read_too() {
 fn big_endian(message: &MultiDofJointState) -> Vec<u8> {
     let mut out = vec![0, 0, 0, 0];
     let align = |out: &mut Vec<u8>, to: usize| {
-        while (out.len() - 4) % to != 0 {
+        while !(out.len() - 4).is_multiple_of(to) {
             out.push(0);
         }
     };

@@ -274,3 +274,17 @@ fn what_was_sent_twice_counts_once() {
     let found = read(&bag_of(&messages)).unwrap();
     assert_eq!((found.recording.len(), found.notes.len()), (10, 0));
 }
+
+#[test]
+fn a_change_of_rate_is_named_where_frames_are() {
+    let slower = |frame: i64| Stamp(if frame < 20 { frame } else { 2 * frame - 20 } * STEP);
+    let messages = pair(40, |_, frame, message| message.header.stamp = Time::of(slower(frame)));
+    let error = read(&bag_of(&messages)).unwrap_err().to_string();
+    let expected = "message 21 of /giver/skeleton: mixed rates: 15.0 Hz from here on, 30.0 Hz in \
+                    most of the file";
+    assert_eq!(error, expected);
+    // A robot ticks as it likes.
+    let mut live = live(40, skeleton);
+    live.retain(|(topic, _, time, _)| !topic.ends_with("targets") || time.0 % 3 > 0);
+    assert!(read(&bag_of(&live)).is_ok());
+}

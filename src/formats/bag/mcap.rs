@@ -13,7 +13,7 @@ use super::losses::{Loss, Losses};
 use super::{Event, packed};
 
 /// No writer makes larger chunks; rosbag2's are of 1 MiB.
-const LARGEST_CHUNK: u64 = 1 << 28;
+pub(super) const LARGEST_CHUNK: u64 = 1 << 27;
 /// Of a record before it begins: what it is, and how long.
 const HEAD: usize = 9;
 
