@@ -188,8 +188,64 @@ fn big_endian(message: &MultiDofJointState) -> Vec<u8> {
     out
 }
 
+/// The small bag without chunks, so that no checksum stands before the records.
+fn bare() -> Vec<u8> {
+    let small = small();
+    let options = mcap::WriteOptions::new().use_chunks(false).profile("ros2");
+    let mut out = options.create(std::io::Cursor::new(Vec::new())).unwrap();
+    let file = File { name: "clip", bytes: Some(&small) };
+    bag::messages(&[file], |raw| {
+        let schema = out.add_schema(raw.type_name, "ros2msg", b"float64 x").unwrap();
+        let metadata = [("a".to_owned(), "b".to_owned())].into();
+        let channel = out.add_channel(schema, raw.topic, "cdr", &metadata).unwrap();
+        let header = mcap::records::MessageHeader {
+            channel_id: channel,
+            sequence: 0,
+            log_time: raw.time.0 as u64,
+            publish_time: 0,
+        };
+        out.write_to_known_channel(&header, raw.data).unwrap();
+    })
+    .unwrap();
+    let metadata = [("serialized_metadata".to_owned(), "custom_data: {a: b}".to_owned())].into();
+    out.write_metadata(&mcap::records::Metadata { name: "rosbag2".to_owned(), metadata }).unwrap();
+    out.finish().unwrap();
+    out.into_inner().into_inner()
+}
+
+#[test]
+fn a_bag_without_chunks_is_read() {
+    let found = read(&bare()).unwrap();
+    assert_eq!(found.recording.people(), recording(6, BTreeMap::new()).people());
+    assert_eq!(found.recording.metadata()["a"], "b");
+}
+
+#[test]
+fn lengths_inside_records_fill_no_memory() {
+    let bytes = bare();
+    // Wherever a length may stand, up to the first messages.
+    for at in 8..1500 {
+        let mut bytes = bytes.clone();
+        bytes[at..at + 4].copy_from_slice(&[0xff; 4]);
+        check_memory(&bytes);
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(256))]
+
+    #[test]
+    fn flipped_bytes_of_bags_without_chunks_never_panic(
+        flips in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
+    ) {
+        static BARE: OnceLock<Vec<u8>> = OnceLock::new();
+        let mut bytes = BARE.get_or_init(bare).clone();
+        for (at, value) in flips {
+            let at = at.index(bytes.len());
+            bytes[at] = value;
+        }
+        check_memory(&bytes);
+    }
 
     #[test]
     fn flipped_bytes_of_bags_never_panic(

@@ -20,6 +20,7 @@ mod losses;
 mod mcap;
 mod packed;
 mod people;
+mod records;
 mod sqlite;
 mod track;
 mod write;
