@@ -74,7 +74,12 @@ fn what_is_not_there_is_exit_1_and_wrong_usage_exit_2() {
     let clips = folder(&[("a.csv", &good_csv()), ("empty/.keep", "")]);
     check(&clips, &["check", "nowhere.csv"], 1, &["nowhere.csv: no such file or folder"]);
     check(&clips, &["import", "nowhere", "out"], 1, &["nowhere: no such file or folder"]);
-    check(&clips, &["check", "empty"], 1, &["empty: no recording (.csv, .txt)"]);
+    check(
+        &clips,
+        &["check", "empty"],
+        1,
+        &["empty: no recording (.csv, .txt, .mcap, .db3, .zstd)"],
+    );
     check(&clips, &["check", ".", "--filter", "z*"], 1, &["matches the filter"]);
     check(&clips, &["check"], 2, &["FILE"]);
     check(&clips, &["check", "a.csv", "--up", "x"], 2, &["--up"]);
@@ -87,7 +92,12 @@ fn what_is_not_there_is_exit_1_and_wrong_usage_exit_2() {
 #[test]
 fn import_refuses_an_out_it_cannot_write() {
     let clips = folder(&[("a.csv", &good_csv()), ("d/a.csv", &good_csv())]);
-    check(&clips, &["import", "a.csv", "b.mcap"], 2, &["b.mcap: cannot write '.mcap'", ".csv"]);
+    check(
+        &clips,
+        &["import", "a.csv", "b.db3"],
+        2,
+        &["b.db3: cannot write '.db3'", ".csv, .mcap or .bag"],
+    );
     check(&clips, &["import", "a.csv", "b"], 2, &["there is none"]);
     check(&clips, &["import", "a.csv", "d"], 2, &["d is a folder"]);
     check(&clips, &["import", "d", "out.csv"], 2, &["out.csv names a file"]);

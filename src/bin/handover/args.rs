@@ -66,15 +66,19 @@ impl Command {
     }
 }
 
-/// Turn recordings of any known format into CSV.
+/// Turn recordings of any known format into CSV or a bag of rosbag2.
 ///
-/// A file becomes a file, a folder a folder of files. Bad files are named and left out.
+/// One recording (a file, or a bag's folder) becomes what OUT's ending says: .csv, .mcap (a bag in
+/// one file) or .bag (a bag as a folder, metadata.yaml and one .mcap; so is any name that ends in
+/// /). A folder of recordings becomes a folder of CSVs. Bad files are named and left out; of a
+/// damaged bag what is whole is taken, what is lost named, and the exit code is 3. docs/bags.md says
+/// which topics are people.
 #[derive(Debug, Args)]
 pub(crate) struct Import {
-    /// A recording, or a folder searched for recordings (.csv, .txt)
+    /// A recording, or a folder searched for recordings (.csv, .txt, .mcap, .db3, .zstd, bags)
     #[arg(value_name = "SRC")]
     pub(crate) source: PathBuf,
-    /// A file ending in .csv, or for a folder the folder to write to
+    /// A name ending in .csv, .mcap, .bag or /, or for a folder the folder to write to
     #[arg(value_name = "OUT")]
     pub(crate) out: PathBuf,
     #[command(flatten)]
@@ -93,7 +97,7 @@ pub(crate) struct Import {
 /// with --resume, and ends as if it had not been.
 #[derive(Debug, Args)]
 pub(crate) struct Learn {
-    /// Demonstrations, or folders searched for demonstrations (.csv, .txt)
+    /// Demonstrations, or folders searched for demonstrations (.csv, .txt, .mcap, .db3, .zstd, bags)
     #[arg(value_name = "DEMO", required = true)]
     pub(crate) demonstrations: Vec<PathBuf>,
     /// Write the model here (.safetensors)
@@ -125,6 +129,8 @@ pub(crate) struct Learn {
 /// against. --method none is the same without edges between the people; the other methods know the
 /// past alone as well, but have no tick. With --whole a method sees the partner's whole motion.
 ///
+/// Of a bag that was recorded live the robot plays its role again, from where it was then.
+///
 /// A recording that lies among the demonstrations is left out of them. A model brings its edges,
 /// parameters and role along, and takes parameters of the sections tick, filter, track, window and
 /// safety over its own; without one, the edges of `mesh` are learned first.
@@ -140,8 +146,8 @@ pub(crate) struct Replay {
     /// The recording to replay
     #[arg(value_name = "RECORDING")]
     pub(crate) recording: PathBuf,
-    /// Write the recording with the robot's joints in its role's place (.csv), or what every tick
-    /// was given and said (.jsonl; beside it .ticks.csv, how long each took)
+    /// Write the recording with the robot's joints in its role's place (.csv, .mcap), or what every
+    /// tick was given and said (.jsonl; beside it .ticks.csv, how long each took)
     #[arg(long, short, value_name = "TRACE")]
     pub(crate) out: Option<PathBuf>,
     /// The person the robot stands in for [default: the model's; else giver, else B]
@@ -173,7 +179,7 @@ pub(crate) struct Replay {
 /// from the past alone by what was learned from other clips.
 #[derive(Debug, Args)]
 pub(crate) struct Evaluate {
-    /// Recordings, or folders searched for recordings (.csv, .txt)
+    /// Recordings, or folders searched for recordings (.csv, .txt, .mcap, .db3, .zstd, bags)
     #[arg(value_name = "DEMO", required = true)]
     pub(crate) demonstrations: Vec<PathBuf>,
     /// Who learns from whom, and what is measured
@@ -266,7 +272,8 @@ pub(crate) enum Protocol {
 /// out: a field counts time in frames.
 #[derive(Debug, Args)]
 pub(crate) struct Motion {
-    /// Motions (.amc), recordings (.csv, .txt), or folders searched for them
+    /// Motions (.amc), recordings (.csv, .txt, .mcap, .db3, .zstd, bags), or folders searched for
+    /// them
     #[arg(value_name = "SEQUENCE", required = true)]
     pub(crate) sequences: Vec<PathBuf>,
     /// Latent dimensions [default: motion.dimensions, which is 2]
@@ -350,8 +357,8 @@ fn setting(text: &str) -> Result<(String, String), String> {
 /// was learned from and how, its edges and its parameters.
 #[derive(Debug, Args)]
 pub(crate) struct Check {
-    /// Recordings, folders searched for recordings (.csv, .txt), parameter files (.yaml, .yml), or
-    /// models (.safetensors)
+    /// Recordings, folders searched for recordings (.csv, .txt, .mcap, .db3, .zstd, bags), parameter
+    /// files (.yaml, .yml), or models (.safetensors)
     #[arg(value_name = "FILE", required = true)]
     pub(crate) files: Vec<PathBuf>,
     #[command(flatten)]

@@ -113,7 +113,7 @@ fn bad_value(path: &Path, faults: &[Fault]) -> Value {
 
 fn text(file: &ReadFile) -> String {
     let path = file.path.display();
-    let Loaded { recording, format, .. } = match &file.outcome {
+    let Loaded { recording, format, losses, .. } = match &file.outcome {
         Ok(loaded) => loaded,
         Err(faults) => return bad_text(&file.path, faults),
     };
@@ -142,6 +142,9 @@ fn text(file: &ReadFile) -> String {
              (frame {frame})"
         );
     }
+    for loss in losses {
+        let _ = writeln!(text, "  lost: {loss}");
+    }
     if !recording.metadata().is_empty() {
         let known = recording.metadata().iter().map(|(key, value)| format!("{key}={value}"));
         let _ = writeln!(text, "  {}", known.collect::<Vec<_>>().join(", "));
@@ -151,7 +154,7 @@ fn text(file: &ReadFile) -> String {
 
 fn value(file: &ReadFile) -> Value {
     let path = file.path.display().to_string();
-    let Loaded { recording, format, sha256, .. } = match &file.outcome {
+    let Loaded { recording, format, sha256, losses, notes, .. } = match &file.outcome {
         Ok(loaded) => loaded,
         Err(faults) => return bad_value(&file.path, faults),
     };
@@ -184,5 +187,7 @@ fn value(file: &ReadFile) -> Value {
         "closest_hands": closest,
         "metadata": recording.metadata(),
         "sha256": sha256,
+        "losses": losses,
+        "notes": notes,
     })
 }

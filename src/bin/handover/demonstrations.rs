@@ -6,9 +6,10 @@ use std::sync::Arc;
 
 use anyhow::bail;
 use handover_mesh::demonstration::Demonstration;
+use handover_mesh::formats::bag;
 use handover_mesh::mesh::Pair;
 use handover_mesh::skeleton::joint_differences;
-use handover_mesh::{Config, Recording, Role};
+use handover_mesh::{Config, Person, Recording, Role};
 
 use crate::UsageError;
 use crate::args::Selection;
@@ -48,6 +49,42 @@ pub(crate) fn load(
 ) -> anyhow::Result<Loaded> {
     let read = files::load(paths, selection, output)?;
     take(once(read, output), role, selection.any_length, config, output)
+}
+
+/// The same; of what a robot recorded live, the robot plays `role` and its partner the other one of
+/// `people`.
+///
+/// # Errors
+/// As [`load`].
+pub(crate) fn load_live(
+    paths: &[PathBuf],
+    people: [&str; 2],
+    role: &str,
+    selection: &Selection,
+    config: &Config,
+    output: &Output,
+) -> anyhow::Result<Loaded> {
+    let mut read = files::load(paths, selection, output)?;
+    for loaded in &mut read.recordings {
+        if let Some(played) = played(&loaded.recording, people, role) {
+            let path = loaded.path.display();
+            output.note(&format!("{path}: recorded live, the robot is taken for the {role}"));
+            loaded.recording = played;
+        }
+    }
+    take(once(read, output), Some(role), selection.any_length, config, output)
+}
+
+/// The recording with the robot in its role; `None` if it is not of a robot and its partner.
+fn played(recording: &Recording, people: [&str; 2], role: &str) -> Option<Recording> {
+    let robot = recording.person(recording.role(bag::ROBOT)?);
+    let partner = recording.person(recording.role(bag::PARTNER)?);
+    let people = people.map(|name| {
+        let played = if name == role { robot } else { partner };
+        Person { name: name.to_owned(), motion: played.motion.clone() }
+    });
+    let (name, metadata) = (recording.name(), recording.metadata().clone());
+    Recording::new(name, people, recording.object().cloned(), metadata).ok()
 }
 
 /// The same in an order that is not that of the arguments: by name.

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
 use rayon::prelude::*;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::args::Import;
 use crate::files::{self, BadFile, Fault, Target};
@@ -31,6 +31,10 @@ pub(crate) fn run(import: &Import, output: &Output) -> anyhow::Result<Outcome> {
     }
     let read = files::load(std::slice::from_ref(source), &import.selection, output)?;
     let mut bad = read.bad;
+    let damaged = read.recordings.iter().filter(|loaded| !loaded.losses.is_empty());
+    let lost: Vec<_> = damaged
+        .map(|l| json!({ "file": l.path.display().to_string(), "losses": l.losses }))
+        .collect();
     let targets = if is_folder {
         fs::create_dir_all(out).with_context(|| format!("cannot make {}", out.display()))?;
         folder_targets(out, read.recordings.iter().map(|loaded| loaded.recording.name()))
@@ -59,10 +63,15 @@ pub(crate) fn run(import: &Import, output: &Output) -> anyhow::Result<Outcome> {
             Err(file) => bad.push(file),
         }
     }
-    report(&written, &bad, output)
+    report(&written, &bad, &lost, output)
 }
 
-fn report(written: &[PathBuf], bad: &[BadFile], output: &Output) -> anyhow::Result<Outcome> {
+fn report(
+    written: &[PathBuf],
+    bad: &[BadFile],
+    lost: &[Value],
+    output: &Output,
+) -> anyhow::Result<Outcome> {
     output.result(
         || written.iter().map(|path| format!("{}\n", path.display())).collect(),
         || {
@@ -74,6 +83,7 @@ fn report(written: &[PathBuf], bad: &[BadFile], output: &Output) -> anyhow::Resu
             json!({
                 "written": written.collect::<Vec<_>>(),
                 "failed": failed.collect::<Vec<_>>(),
+                "lost": lost,
             })
         },
     )?;

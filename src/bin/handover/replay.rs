@@ -47,7 +47,10 @@ pub(crate) fn run(
     let Replay { recording, selection, .. } = replay;
     let mut known = Known::read(replay, global, config, output)?;
     let (paths, role) = (std::slice::from_ref(recording), known.role.clone());
-    let loaded = demonstrations::load(paths, Some(&role), selection, &known.config, output)?;
+    let people = known.people();
+    let people = people.each_ref().map(String::as_str);
+    let config = &known.config;
+    let loaded = demonstrations::load_live(paths, people, &role, selection, config, output)?;
     let [truth] = loaded.demonstrations.as_slice() else {
         bail!(UsageError(format!("{}: replay takes one recording", recording.display())));
     };
@@ -106,9 +109,10 @@ fn check_out(replay: &Replay, method: Method) -> anyhow::Result<Option<&Path>> {
     let shown = out.display();
     let ends_in = |ending| out.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending));
     if !ends_in("jsonl") {
-        if !ends_in("csv") {
+        if !ends_in("csv") && !ends_in("mcap") {
             bail!(UsageError(format!(
-                "{shown}: what is written here ends in .csv (a recording) or .jsonl (a trace)"
+                "{shown}: what is written here ends in .csv or .mcap (a recording) or .jsonl (a \
+                 trace)"
             )));
         }
         files::check_place(out, &inputs)?;

@@ -39,7 +39,7 @@ pub(super) fn recording(
         violations.add(Place::File, Reason::SecondObject { first, second });
     }
     // A robot's frame is the one that it is to work in.
-    let frame = two[1].track.seen.first().map(|(_, body)| body.frame.clone()).unwrap_or_default();
+    let frame = two[1].track.seen.first().map_or_else(String::new, |seen| seen.frame.to_string());
     let view = View { frame: &frame, statics: &collected.statics, up };
     let tracks = two.iter_mut().map(|candidate| &mut candidate.track);
     tracks.chain(&mut objects).for_each(|track| view.turn(track, violations));
@@ -49,6 +49,7 @@ pub(super) fn recording(
     };
     let two = two.map(|candidate| whole(candidate, violations));
     let [Some(first), Some(second)] = two else { return None };
+    first.timeline.check_rate(violations);
     if let Some(object) = objects.first_mut() {
         track::in_time(object, violations);
     }
@@ -139,7 +140,7 @@ fn at_stamps(track: &Track, stamps: &[Stamp], notes: &mut Vec<String>) -> Vec<(S
     let known: Vec<(Stamp, Point)> = track
         .seen
         .iter()
-        .filter_map(|(_, body)| Some((body.stamp, body.joints.first()?.1)))
+        .filter_map(|seen| Some((seen.stamp, *seen.places.first()?)))
         .filter(|(_, place)| crate::geometry::is_finite(place))
         .collect();
     if known.iter().all(|(stamp, _)| stamps.binary_search(stamp).is_ok()) {

@@ -1,15 +1,18 @@
 //! Messages of a bag → who was where, by topic; what is of no use to us is counted and forgotten.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use super::super::error::{Place, Reason, Violations};
 use super::frames::Statics;
 use super::{Event, folder, shortened};
 use crate::bodies::{Body, TransformAssembler, from_joint_state, from_markers, from_trajectory};
+use crate::geometry::Point;
 use crate::messages::{
     MarkerArray, Message, MessageError, MultiDofJointState, MultiDofTrajectory, PoseStamped,
     TransformTree, decode,
 };
+use crate::time::Stamp;
 
 /// What the bodies of a track are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -31,8 +34,46 @@ pub(super) enum Kind {
 pub(super) struct Track {
     pub(super) topic: String,
     pub(super) id: Option<u32>,
-    /// Each with the number of its message, counted from 1.
-    pub(super) seen: Vec<(u64, Body)>,
+    pub(super) seen: Vec<Seen>,
+}
+
+/// One of them; what is mostly the same is shared, so that it takes less memory than its message.
+#[derive(Debug, Clone)]
+pub(super) struct Seen {
+    /// Of its message, counted from 1.
+    pub(super) number: u64,
+    pub(super) stamp: Stamp,
+    pub(super) frame: Arc<str>,
+    /// Of the joints that are tracked.
+    pub(super) names: Arc<[String]>,
+    /// One for each name.
+    pub(super) places: Box<[Point]>,
+}
+
+impl Track {
+    fn add(&mut self, number: u64, body: Body) {
+        let (names, places): (Vec<String>, Vec<Point>) = body.joints.into_iter().unzip();
+        let last = self.seen.last();
+        let same = last.map(|last| last.names.clone()).filter(|last| **last == *names);
+        let frame = last.map(|last| last.frame.clone()).filter(|last| **last == *body.frame);
+        self.seen.push(Seen {
+            number,
+            stamp: body.stamp,
+            frame: frame.unwrap_or_else(|| body.frame.into()),
+            names: same.unwrap_or_else(|| names.into()),
+            places: places.into(),
+        });
+    }
+}
+
+impl Seen {
+    /// Whether another message said the same.
+    pub(super) fn same(&self, other: &Self) -> bool {
+        self.stamp == other.stamp
+            && self.frame == other.frame
+            && self.names == other.names
+            && self.places == other.places
+    }
 }
 
 /// What is known of a topic.
@@ -112,7 +153,7 @@ impl Collected {
             let id = body.id;
             let track = self.tracks.entry((kind, order, id));
             let empty = || Track { topic: topic.to_owned(), id, seen: Vec::new() };
-            track.or_insert_with(empty).seen.push((number, body));
+            track.or_insert_with(empty).add(number, body);
         };
         match kind {
             Use::Skeleton => add(Kind::Skeleton, from_joint_state(&read(data)?)?),
@@ -151,20 +192,20 @@ impl Collected {
                 let id = body.id;
                 let track = self.tracks.entry((Kind::Transforms, order, id));
                 let empty = || Track { topic: topic.clone(), id, seen: Vec::new() };
-                track.or_insert_with(empty).seen.push((number, body));
+                track.or_insert_with(empty).add(number, body);
             }
         }
         for ((kind, ..), track) in &mut self.tracks {
             if *kind == Kind::Transforms {
                 // A body that turned out to have more joints was handed out again.
                 track.seen.reverse();
-                track.seen.dedup_by_key(|(_, body)| body.stamp);
+                track.seen.dedup_by_key(|seen| seen.stamp);
                 track.seen.reverse();
             }
         }
         // One joint alone is somebody else's frame that happens to be called so.
         self.tracks.retain(|(kind, ..), track| {
-            *kind != Kind::Transforms || track.seen.iter().any(|(_, body)| body.joints.len() > 1)
+            *kind != Kind::Transforms || track.seen.iter().any(|seen| seen.names.len() > 1)
         });
     }
 

@@ -77,7 +77,6 @@ pub(super) struct TopicEntry<'a> {
 /// Metadata of version 9, which Jazzy and Kilted write, Humble reads.
 ///
 /// - `between`: the first and the last message's time.
-/// - `indent`: whether the outer key is there.
 pub(super) fn text(
     file: &str,
     topics: &[TopicEntry<'_>],
@@ -146,9 +145,20 @@ fn indented(text: &str, by: usize) -> String {
     text.lines().map(|line| format!("{}{line}\n", " ".repeat(by))).collect()
 }
 
-/// YAML in double quotes: JSON's strings are such.
+/// YAML in double quotes; what is not plain ASCII by its number, which no reader takes for anything
+/// else.
 fn quoted(text: &str) -> String {
-    serde_json::Value::from(text).to_string()
+    let mut quoted = String::from('"');
+    for letter in text.chars() {
+        match letter {
+            '"' | '\\' => quoted.extend(['\\', letter]),
+            ' '..='~' => quoted.push(letter),
+            // Writing to a String cannot fail.
+            _ => drop(write!(quoted, "\\U{:08X}", u32::from(letter))),
+        }
+    }
+    quoted.push('"');
+    quoted
 }
 
 #[cfg(test)]

@@ -2,18 +2,20 @@
 //!
 //! Records follow each other: a byte that says what it is, eight that say how long, the rest.
 //! Chunks are records that hold records, compressed or not, with a checksum (mcap.dev/spec). The
-//! walk is ours, because a damaged file is to give what is whole; the records are the crate's.
+//! walk is ours, because a damaged file is to give what is whole.
 
 use std::collections::BTreeMap;
 
-use mcap::records::{Record, op};
-use mcap::{MAGIC, parse_record};
+use mcap::MAGIC;
+use mcap::records::op;
 
 use super::losses::{Loss, Losses};
+use super::records::{ChunkHeader, Record, parse};
 use super::{Event, packed};
+use crate::time::Stamp;
 
 /// No writer makes larger chunks; rosbag2's are of 1 MiB.
-const LARGEST_CHUNK: u64 = 1 << 28;
+pub(super) const LARGEST_CHUNK: u64 = 1 << 27;
 /// Of a record before it begins: what it is, and how long.
 const HEAD: usize = 9;
 
@@ -195,68 +197,30 @@ impl Walk<'_, '_> {
     }
 
     fn record(&mut self, opcode: u8, body: &[u8]) {
-        // NOTE: of other records `parse_record` would panic if they are short.
-        if !matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE | op::METADATA) {
-            return;
-        }
-        let Ok(record) = parse_record(opcode, body) else {
+        let Some(record) = parse(opcode, body) else {
             let (file, messages) = (self.file.to_owned(), self.messages);
             return self.losses.add(Loss::Record { file, opcode, messages });
         };
         match record {
-            Record::Schema { header, .. } => {
-                self.schemas.insert(header.id, header.name);
+            Record::Schema { id, name } => {
+                self.schemas.insert(id, name.to_owned());
             }
-            Record::Channel(channel) => {
-                let type_name = self.schemas.get(&channel.schema_id).cloned().unwrap_or_default();
-                (self.each)(Event::Topic { name: &channel.topic, type_name: &type_name });
-                let (topic, encoding) = (channel.topic, channel.message_encoding);
-                self.channels.insert(channel.id, Channel { topic, type_name, encoding });
+            Record::Channel { id, schema, topic, encoding } => {
+                let type_name = self.schemas.get(&schema).cloned().unwrap_or_default();
+                (self.each)(Event::Topic { name: topic, type_name: &type_name });
+                let (topic, encoding) = (topic.to_owned(), encoding.to_owned());
+                self.channels.insert(id, Channel { topic, type_name, encoding });
             }
-            Record::Message { header, data } => match self.channels.get(&header.channel_id) {
+            Record::Message { channel, log_time, data } => match self.channels.get(&channel) {
                 Some(Channel { topic, type_name, encoding }) => {
                     self.messages += 1;
-                    let time = i64::try_from(header.log_time).unwrap_or(i64::MAX);
-                    let time = crate::time::Stamp(time);
-                    let data = &data[..];
+                    let time = Stamp(i64::try_from(log_time).unwrap_or(i64::MAX));
                     (self.each)(Event::Message { topic, type_name, encoding, time, data });
                 }
-                None => *self.unknown.entry(header.channel_id).or_default() += 1,
+                None => *self.unknown.entry(channel).or_default() += 1,
             },
-            Record::Metadata(metadata) if metadata.name == "rosbag2" => {
-                if let Some(text) = metadata.metadata.get("serialized_metadata") {
-                    (self.each)(Event::Metadata(text));
-                }
-            }
-            _ => {}
+            Record::Metadata(text) => (self.each)(Event::Metadata(text)),
+            Record::Other => {}
         }
-    }
-}
-
-/// What a chunk says of itself.
-struct ChunkHeader<'a> {
-    unpacked: u64,
-    checksum: u32,
-    compression: &'a [u8],
-    packed: u64,
-    rest: &'a [u8],
-}
-
-impl<'a> ChunkHeader<'a> {
-    fn read(body: &'a [u8]) -> Option<Self> {
-        // First the stamps of its messages, which they say themselves.
-        let (unpacked, rest) = body.get(16..)?.split_first_chunk()?;
-        let (checksum, rest) = rest.split_first_chunk()?;
-        let (length, rest) = rest.split_first_chunk()?;
-        let length = usize::try_from(u32::from_le_bytes(*length)).ok()?;
-        let (compression, rest) = rest.split_at_checked(length)?;
-        let (packed, rest) = rest.split_first_chunk()?;
-        Some(Self {
-            unpacked: u64::from_le_bytes(*unpacked),
-            checksum: u32::from_le_bytes(*checksum),
-            compression,
-            packed: u64::from_le_bytes(*packed),
-            rest,
-        })
     }
 }

@@ -20,12 +20,14 @@ mod losses;
 mod mcap;
 mod packed;
 mod people;
+mod records;
 mod sqlite;
 mod track;
 mod write;
 
 pub use folder::{METADATA_FILE, file_names};
 pub use losses::Loss;
+pub use people::{PARTNER, ROBOT};
 pub use write::{WriteError, Writer, Written, write};
 
 use super::error::{ReadError, Reason, Violations, shortened};
@@ -37,6 +39,12 @@ use losses::Losses;
 
 /// More bytes never come out of the compressed files, chunks and messages of a bag.
 pub const MOST_UNPACKED: u64 = 1 << 30;
+
+/// Nor out of a file that is compressed as a whole: it is in memory at once.
+const MOST_IN_A_FILE: u64 = 1 << 29;
+
+/// How many notes are told one by one.
+const MOST_NOTES: usize = 20;
 
 /// A file of a bag.
 #[derive(Debug, Clone, Copy)]
@@ -109,6 +117,11 @@ pub fn read(
     let mut notes = Vec::new();
     let found = assemble::recording(name, collected, up, &mut notes, &mut violations);
     let recording = violations.or(found)?;
+    if notes.len() > MOST_NOTES {
+        let more = notes.len() - MOST_NOTES;
+        notes.truncate(MOST_NOTES);
+        notes.push(format!("... and {more} more"));
+    }
     Ok(Read { recording, format, losses: losses.told(), notes })
 }
 
@@ -156,7 +169,7 @@ fn walk(
         let unpacked;
         let mut bytes = bytes;
         if packed::is_zstd(bytes) {
-            let found = packed::zstd(bytes, budget);
+            let found = packed::zstd(bytes, budget.min(MOST_IN_A_FILE));
             budget = budget.saturating_sub(found.bytes.len() as u64);
             if let Some(fault) = found.fault {
                 losses.file(file.name, &format!("cannot be unpacked to its end: {fault}"));

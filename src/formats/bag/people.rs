@@ -3,9 +3,10 @@
 use super::super::error::Reason;
 use super::collect::{Collected, Kind, Track};
 
-/// What the partner of a robot is called, and the robot.
-pub(super) const PARTNER: &str = "partner";
-pub(super) const ROBOT: &str = "robot";
+/// What the partner of a robot is called in a bag that was recorded live.
+pub const PARTNER: &str = "partner";
+/// What the robot is called there.
+pub const ROBOT: &str = "robot";
 /// Of custom data: the names of the two, the first one first; a JSON list.
 pub(super) const PEOPLE: &str = "handover_mesh.people";
 

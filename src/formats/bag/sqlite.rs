@@ -152,7 +152,7 @@ fn rows(
         let unpacked;
         let mut data = data;
         if packed::is_zstd(data) {
-            unpacked = packed::zstd(data, *budget);
+            unpacked = packed::zstd(data, (*budget).min(super::mcap::LARGEST_CHUNK));
             if let Some(fault) = unpacked.fault {
                 return Err(Fault::Other(fault));
             }

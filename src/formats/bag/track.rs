@@ -36,6 +36,12 @@ impl Timeline {
         Place::Message { topic: self.topic.clone(), number: self.numbers[frame] }
     }
 
+    /// Notes where the rate changes: it may where frames are not at these stamps.
+    pub(super) fn check_rate(&self, violations: &mut Violations) {
+        let messages: Vec<Place> = (0..self.stamps.len()).map(|at| self.message(at)).collect();
+        rate::check(&self.stamps, &messages, violations);
+    }
+
     /// Where the joints are at a frame.
     pub(super) fn frame(&self, frame: usize) -> &[Option<Point>] {
         let joints = self.skeleton.len();
@@ -54,21 +60,21 @@ impl View<'_> {
     /// Turns a track's places, whose frame is its first message's; what is in others is noted.
     pub(super) fn turn(&self, track: &mut Track, violations: &mut Violations) {
         let mut known: BTreeMap<String, Option<Isometry>> = BTreeMap::new();
-        for (number, body) in &mut track.seen {
-            let place = || Place::Message { topic: track.topic.clone(), number: *number };
-            if body.frame != self.frame {
-                let found = known.entry(body.frame.clone());
-                let between = || self.statics.between(self.frame, &body.frame);
+        for seen in &mut track.seen {
+            let place = || Place::Message { topic: track.topic.clone(), number: seen.number };
+            if *seen.frame != *self.frame {
+                let found = known.entry(seen.frame.to_string());
+                let between = || self.statics.between(self.frame, &seen.frame);
                 let Some(here_from_there) = found.or_insert_with(between) else {
-                    let (frame, other) = (shortened(&body.frame), shortened(self.frame));
+                    let (frame, other) = (shortened(&seen.frame), shortened(self.frame));
                     violations.add(place(), Reason::Frames { frame, other });
                     continue;
                 };
-                for (_, point) in &mut body.joints {
+                for point in &mut seen.places {
                     *point = *here_from_there * *point;
                 }
             }
-            for (name, point) in &mut body.joints {
+            for (name, point) in seen.names.iter().zip(&mut seen.places) {
                 if let Some(metres) = point.iter().copied().find(|c| c.abs() > FARTHEST) {
                     violations.add(place(), Reason::TooFar { field: shortened(name), metres });
                 }
@@ -97,31 +103,26 @@ pub(super) fn timeline(
         }
     };
     let mut places = vec![None; track.seen.len() * skeleton.len()];
-    for ((_, body), row) in track.seen.iter().zip(places.chunks_exact_mut(skeleton.len())) {
-        for (joint, place) in &body.joints {
+    for (seen, row) in track.seen.iter().zip(places.chunks_exact_mut(skeleton.len())) {
+        for (joint, place) in seen.names.iter().zip(&seen.places) {
             if let Some(joint) = skeleton.joint(joint) {
                 row[joint.index()] = Some(*place);
             }
         }
     }
     let (numbers, stamps): (Vec<u64>, Vec<Stamp>) =
-        track.seen.iter().map(|(number, body)| (*number, body.stamp)).unzip();
-    let messages: Vec<Place> = numbers
-        .iter()
-        .map(|number| Place::Message { topic: track.topic.clone(), number: *number })
-        .collect();
-    rate::check(&stamps, &messages, violations);
+        track.seen.iter().map(|seen| (seen.number, seen.stamp)).unzip();
     Some(Timeline { name, topic: track.topic, skeleton, stamps, numbers, places })
 }
 
 /// Leaves out what was sent twice, and notes stamps that do not rise.
 pub(super) fn in_time(track: &mut Track, violations: &mut Violations) {
-    track.seen.dedup_by(|(_, next), (_, body)| next == body);
+    track.seen.dedup_by(|next, seen| next.same(seen));
     for pair in track.seen.windows(2) {
-        let [(_, body), (number, next)] = pair else { continue };
-        if next.stamp <= body.stamp {
-            let place = Place::Message { topic: track.topic.clone(), number: *number };
-            violations.add(place, Reason::StampOrder { time: next.stamp, before: body.stamp });
+        let [seen, next] = pair else { continue };
+        if next.stamp <= seen.stamp {
+            let place = Place::Message { topic: track.topic.clone(), number: next.number };
+            violations.add(place, Reason::StampOrder { time: next.stamp, before: seen.stamp });
         }
     }
 }
@@ -134,9 +135,9 @@ fn joints(
     violations: &mut Violations,
 ) -> Vec<String> {
     let mut counts: BTreeMap<&str, (usize, u64)> = BTreeMap::new();
-    for (number, body) in &track.seen {
-        for (joint, _) in &body.joints {
-            counts.entry(joint).or_insert((0, *number)).0 += 1;
+    for seen in &track.seen {
+        for joint in seen.names.iter() {
+            counts.entry(joint).or_insert((0, seen.number)).0 += 1;
         }
     }
     let frames = track.seen.len();

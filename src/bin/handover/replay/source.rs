@@ -78,6 +78,14 @@ impl Known {
         })
     }
 
+    /// What the two people are called, in order.
+    pub(super) fn people(&self) -> [String; 2] {
+        let recording = self.demonstrations.first().map(|known| known.recording());
+        recording
+            .map(|recording| recording.people().each_ref().map(|person| person.name.clone()))
+            .unwrap_or_default()
+    }
+
     /// Leaves out what is the recording itself: the same scene under another path.
     ///
     /// # Errors
