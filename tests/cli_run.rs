@@ -24,7 +24,7 @@ use tempfile::TempDir;
 fn checkout(count: u32) -> TempDir {
     let folder = clips(count);
     let sources = Path::new(env!("CARGO_MANIFEST_DIR"));
-    for path in ["run", ".ci/prepare"] {
+    for path in ["run", ".ci/prepare", ".ci/ros"] {
         let copy = folder.path().join(path);
         fs::create_dir_all(copy.parent().unwrap()).unwrap();
         fs::copy(sources.join(path), copy).unwrap();
@@ -52,6 +52,7 @@ fn run(folder: &TempDir, arguments: &[&str], code: i32, words: &[&str]) -> Outpu
         .args(arguments)
         .current_dir(folder.path())
         .env("PATH", format!("{}:{path}", folder.path().join("bin").display()))
+        .env("NO_ROS", if folder.path().join("bin/python").exists() { "0" } else { "1" })
         .output()
         .unwrap();
     let said = [&output.stdout[..], &output.stderr].concat();
@@ -117,6 +118,48 @@ fn a_run_that_fails_leaves_the_last_results() {
     run(&folder, &["clips", "--methods", "knn", "-q"], 0, &[]);
     let new = results();
     assert!(last != new && last.keys().eq(new.keys()), "{:?}", new.keys());
+}
+
+#[test]
+fn without_ros_it_says_so_and_goes_on() {
+    let folder = checkout(3);
+    let words = ["SKIPPED: all of ROS 2: NO_ROS=1", "ROS 2           left out", "figures   "];
+    run(&folder, &["clips", "--methods", "hold", "-q"], 0, &words);
+    // The option wins over a ROS 2 that is there.
+    with_ros(&folder, "exit 1");
+    run(&folder, &["--no-ros", "clips", "--methods", "hold", "-q"], 0, &words);
+}
+
+#[test]
+fn the_handover_on_topics_comes_last_and_counts() {
+    let folder = checkout(3);
+    with_ros(&folder, "echo \"talked about $3 as $5\"");
+    let arguments = ["clips", "--methods", "hold", "-q"];
+    run(&folder, &arguments, 0, &["on ROS 2 topics (sourced):", "model.safetensors as giver"]);
+    let said = fs::read_to_string(folder.path().join("build/run/ros.txt")).unwrap();
+    assert!(said.starts_with("talked about "), "{said}");
+    // What failed there is no result: the last ones are back.
+    with_ros(&folder, "echo \"error: no target\" >&2; exit 1");
+    run(&folder, &arguments, 1, &["error: no target"]);
+    assert_eq!(fs::read_to_string(folder.path().join("build/run/ros.txt")).unwrap(), said);
+}
+
+/// Puts a ROS 2 into the checkout whose Python is a line of shell, a simulator that makes up the
+/// clips that are there, and a cargo that was asked for the node.
+fn with_ros(folder: &TempDir, python: &str) {
+    let ros = "ros=; [ \"$NO_ROS\" = 1 ] && echo \"SKIPPED: all of ROS 2: NO_ROS=1\" >&2 ||\n\
+               { ros=sourced; ros_python=$root/bin/python; }\n";
+    fs::write(folder.path().join(".ci/ros"), ros).unwrap();
+    let python = format!("#!/bin/sh\n{python}\n");
+    let clips = folder.path().join("clips").display().to_string();
+    let simulator = format!(
+        "#!/bin/sh\nwhile [ $# -gt 1 ]; do shift; done\nmkdir -p \"$1\"\ncp -r '{clips}' \"$1/measured\"\n"
+    );
+    for (path, text) in [("bin/python", python), ("target/release/handover_sim", simulator)] {
+        let path = folder.path().join(path);
+        fs::write(&path, text).unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o755)).unwrap();
+    }
 }
 
 #[test]

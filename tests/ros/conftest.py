@@ -8,6 +8,7 @@ folder for the test; `recordings` are made-up handovers.
 import os
 import pathlib
 import signal
+import sys
 
 import pytest
 
@@ -17,7 +18,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 # Where nobody chose: a test must not move the robot of the office next door.
 if "ROS_DOMAIN_ID" not in os.environ:
-    pytest.exit("ROS_DOMAIN_ID is not set; ./test chooses one that nobody uses", 4)
+    sys.exit("error: ROS_DOMAIN_ID is not set; ./test chooses one that nobody uses")
 os.environ.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
 # A shell's background job ignores interrupts, and so would all that it starts.
 signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -213,3 +213,8 @@ class Programs:
             except AssertionError as failure:
                 failures.append(str(failure))
         assert not failures, "\n".join(failures)
+
+    def kill_all(self):
+        """For the way out after a failure: nothing stays, and nothing is asked."""
+        for process in self._processes:
+            process.kill()
