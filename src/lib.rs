@@ -6,6 +6,7 @@
 //! nanoseconds; the library opens no file, reads no clock and prints nothing.
 
 pub mod align;
+pub mod bodies;
 pub mod config;
 pub mod delaunay;
 pub mod demonstration;

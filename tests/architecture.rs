@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// Who may import whom: a module, its layer, and the neighbours in its own layer it builds on.
 /// Whatever stands in a lower layer is allowed.
-const LAYERS: [(&str, u32, &[&str]); 26] = [
+const LAYERS: [(&str, u32, &[&str]); 27] = [
     ("geometry", 0, &[]),
     ("time", 0, &[]),
     ("settings", 0, &[]),
@@ -22,6 +22,7 @@ const LAYERS: [(&str, u32, &[&str]); 26] = [
     ("kinematics", 1, &[]),
     ("motion", 1, &[]),
     ("messages", 1, &[]),
+    ("bodies", 2, &[]),
     ("formats", 2, &[]),
     ("mesh", 2, &[]),
     ("retarget", 2, &["mesh"]),

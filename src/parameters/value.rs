@@ -66,7 +66,8 @@ impl ParameterValue {
 
     /// The same as one of `other`'s kind, if it can be meant as one.
     pub(super) fn converted(self, other: &Self) -> Option<Self> {
-        let is_empty = self.length() == Some(0);
+        // So ROS's reader of parameter files says `[]`.
+        let is_empty = self.length() == Some(0) || self == Self::NotSet;
         match (self, other) {
             (Self::Integer(number), Self::Double(_)) => Some(Self::Double(number as f64)),
             (Self::Integers(numbers), Self::Doubles(_)) => {

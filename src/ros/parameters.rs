@@ -34,10 +34,10 @@ pub struct ParameterServer {
 #[derive(Debug, thiserror::Error)]
 pub enum ParameterServerError {
     /// Parameters that it was started with: all that is wrong with them.
-    #[error("{0}")]
+    #[error(transparent)]
     Refused(#[from] Refusals),
     /// No service, publisher or clock could be had.
-    #[error("{0:#}")]
+    #[error(transparent)]
     Graph(#[from] anyhow::Error),
 }
 
@@ -205,7 +205,9 @@ impl ParameterServer {
                 let range = msg::IntegerRange { from_value, to_value, step: 1 };
                 description.integer_range.push(range);
             }
-            Bound::OneOf(_) => description.additional_constraints = parameter.allowed(),
+            Bound::OneOf(_) | Bound::Filled => {
+                description.additional_constraints = parameter.allowed()
+            }
         }
         if parameter.length.is_some() {
             description.additional_constraints = parameter.allowed();
@@ -232,17 +234,17 @@ pub fn ros_time(node: &Node) -> Duration {
 }
 
 /// Requests to one service, taken without waiting.
-struct Requests<T: WrappedServiceTypeSupport>(
+pub(super) struct Requests<T: WrappedServiceTypeSupport>(
     Box<dyn Stream<Item = ServiceRequest<T>> + Send + Unpin>,
 );
 
 impl<T: WrappedServiceTypeSupport> Requests<T> {
-    fn next(&mut self) -> Option<ServiceRequest<T>> {
+    pub(super) fn next(&mut self) -> Option<ServiceRequest<T>> {
         self.0.next().now_or_never().flatten()
     }
 }
 
-fn requests<T>(node: &mut Node, name: &str) -> Result<Requests<T>>
+pub(super) fn requests<T>(node: &mut Node, name: &str) -> Result<Requests<T>>
 where
     T: WrappedServiceTypeSupport + 'static,
 {
@@ -250,7 +252,10 @@ where
     Ok(Requests(Box::new(requests.with_context(|| name.to_owned())?)))
 }
 
-fn answer<T: WrappedServiceTypeSupport + 'static>(request: ServiceRequest<T>, with: T::Response) {
+pub(super) fn answer<T: WrappedServiceTypeSupport + 'static>(
+    request: ServiceRequest<T>,
+    with: T::Response,
+) {
     // Whoever asked may have gone; nobody else needs to know.
     let _ = request.respond(with);
 }
@@ -260,7 +265,7 @@ fn refused(refusal: &Refusal) -> msg::SetParametersResult {
 }
 
 /// What `--params-file` and `-p` say, in a fixed order.
-fn started_with(node: &Node) -> Vec<(String, ParameterValue)> {
+pub fn started_with(node: &Node) -> Vec<(String, ParameterValue)> {
     let given = node.params.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     let given = given.iter();
     given.map(|(name, parameter)| (name.clone(), from_r2r(&parameter.value))).collect()
