@@ -75,7 +75,8 @@ impl Broadcast {
     fn new(node: &mut Node) -> Result<Self> {
         let kind = started_kind(node);
         let mut server = ParameterServer::new(node, parameters(&kind))?;
-        put_all(&mut server, node, follow_ups(server.table(), &[]))?;
+        let more = follow_ups(server.table(), &[]);
+        put_all(&mut server, node, more)?;
         let settings = Settings::of(server.table());
         let source = source(&settings)?;
         let what = match &source {
