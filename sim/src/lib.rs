@@ -9,9 +9,12 @@
 //! whom and what goes wrong, the product's tick moves a simple arm among them, and the trial's figures
 //! are held against the file's bounds.
 //!
+//! [`broadcast`] plays recordings and made-up scenes to whoever listens, in place of a sensor.
+//!
 //! The library opens no file and reads no clock; the binary `handover_sim` writes what it makes.
 
 pub mod body;
+pub mod broadcast;
 mod check;
 pub mod closed_loop;
 pub mod output;

@@ -1,10 +1,14 @@
 //! `handover_sim`: writes sets of made-up handovers, the truth beside the measurement; plays whole
-//! trials of the robot among them, and holds their bounds.
+//! trials of the robot among them, and holds their bounds; plays on ROS 2 topics in place of a
+//! sensor.
 //!
 //! Exit codes: 0 done, 1 failed or a bound missed, 2 usage.
 
 mod files;
 mod generate;
+mod node;
+#[cfg(feature = "ros")]
+mod ros;
 mod run;
 
 use std::io::Write;
@@ -32,6 +36,13 @@ enum Command {
     /// nothing is played, and all that is wrong is said at once. docs/scenario.md explains every key
     /// of a scenario and every figure.
     Run(run::Run),
+    /// Plays a recording or a made-up handover on ROS 2 topics, in place of a sensor.
+    ///
+    /// The partner comes as a skeleton, transforms and, if wanted, markers, as a sensor with the
+    /// faults that parameters switch would see them; the robot's own joints and the object come too.
+    /// Exit code 0 when a signal ends it; 2 if a parameter or the recording cannot be meant: then all
+    /// that is wrong is said at once.
+    Node(node::Node),
 }
 
 fn main() -> ExitCode {
@@ -39,6 +50,7 @@ fn main() -> ExitCode {
     match Arguments::parse().command {
         Command::Generate(arguments) => generate::run(&arguments),
         Command::Run(arguments) => run::run(&arguments),
+        Command::Node(arguments) => node::run(&arguments),
     }
 }
 

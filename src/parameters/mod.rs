@@ -26,6 +26,8 @@ pub enum Bound {
     Whole(i64, i64),
     /// One of these texts.
     OneOf(Vec<String>),
+    /// A text that is not empty, or a list of such.
+    Filled,
 }
 
 /// One parameter: its name, its value, and all that is said about it.
@@ -87,6 +89,12 @@ impl Parameter {
         Self { bound: Bound::OneOf(choices.into_iter().map(Into::into).collect()), ..self }
     }
 
+    /// The same, a text that is not empty, or a list of such.
+    #[must_use]
+    pub fn filled(self) -> Self {
+        Self { bound: Bound::Filled, ..self }
+    }
+
     /// The same, a list of so many.
     #[must_use]
     pub fn of_length(self, length: usize) -> Self {
@@ -109,6 +117,7 @@ impl Parameter {
             Bound::Numbers(low, high) => format!("{kind} from {low} to {high}"),
             Bound::Whole(low, high) => format!("{kind} from {low} to {high}"),
             Bound::OneOf(choices) => format!("one of {}", choices.join(", ")),
+            Bound::Filled => format!("{kind}, not empty"),
         }
     }
 
@@ -138,6 +147,7 @@ impl Parameter {
             Bound::Numbers(low, high) => value.numbers().iter().all(|n| (*low..=*high).contains(n)),
             Bound::Whole(low, high) => value.whole().iter().all(|n| (*low..=*high).contains(n)),
             Bound::OneOf(choices) => value.texts().iter().all(|text| choices.contains(text)),
+            Bound::Filled => value.texts().iter().all(|text| !text.is_empty()),
         };
         let has_length = self.length.is_none_or(|length| value.length() == Some(length));
         if is_within && has_length { Ok(value) } else { Err(refused()) }
@@ -167,6 +177,8 @@ mod tests {
         check(&speed, 1, None);
         check(&speed, 3, Some("speed is 3, must be a number from 0.5 to 2"));
         check(&speed, f64::NAN, Some("speed is NaN, must be a number from 0.5 to 2"));
+        let frame = Parameter::new("frame", "world", "").filled();
+        check(&frame, "", Some("frame is \"\", must be text, not empty"));
         check(&speed, "1", Some("speed is \"1\", must be a number from 0.5 to 2"));
         assert_eq!(speed.accept(&1.into()), Ok(ParameterValue::Double(1.0)));
         let seed = Parameter::new("seed", 1, "").whole(0, 9);

@@ -205,7 +205,9 @@ impl ParameterServer {
                 let range = msg::IntegerRange { from_value, to_value, step: 1 };
                 description.integer_range.push(range);
             }
-            Bound::OneOf(_) => description.additional_constraints = parameter.allowed(),
+            Bound::OneOf(_) | Bound::Filled => {
+                description.additional_constraints = parameter.allowed()
+            }
         }
         if parameter.length.is_some() {
             description.additional_constraints = parameter.allowed();
@@ -263,7 +265,7 @@ fn refused(refusal: &Refusal) -> msg::SetParametersResult {
 }
 
 /// What `--params-file` and `-p` say, in a fixed order.
-fn started_with(node: &Node) -> Vec<(String, ParameterValue)> {
+pub fn started_with(node: &Node) -> Vec<(String, ParameterValue)> {
     let given = node.params.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     let given = given.iter();
     given.map(|(name, parameter)| (name.clone(), from_r2r(&parameter.value))).collect()

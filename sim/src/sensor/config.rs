@@ -102,33 +102,143 @@ impl SensorConfig {
         }
     }
 
+    /// Every figure with its range and meaning: the one place that knows them.
+    pub fn figures(&mut self) -> Vec<Figure<'_>> {
+        let figure =
+            |key, value, low, high, unit, about| Figure { key, value, low, high, unit, about };
+        let [x, y, z] = &mut self.position.coords.data.0[0];
+        vec![
+            figure("rate", &mut self.rate, 5.0, 120.0, "Hz", "Frames a second"),
+            figure(
+                "stamp_jitter",
+                &mut self.stamp_jitter,
+                0.0,
+                0.05,
+                "s",
+                "Standard deviation of the instants of capture about an even beat",
+            ),
+            figure("position.x", x, -20.0, 20.0, "m", "Where the camera is in the world"),
+            figure("position.y", y, -20.0, 20.0, "m", "Where the camera is in the world"),
+            figure("position.z", z, -20.0, 20.0, "m", "Where the camera is in the world"),
+            figure(
+                "yaw",
+                &mut self.yaw,
+                -PI,
+                PI,
+                "rad",
+                "Where it looks, level, from world x about z",
+            ),
+            figure(
+                "depth_noise",
+                &mut self.depth_noise,
+                0.0,
+                0.1,
+                "1/m",
+                "Standard deviation of the depth over its square",
+            ),
+            figure(
+                "depth_step",
+                &mut self.depth_step,
+                0.0,
+                0.1,
+                "1/m",
+                "Between two depths that can be told apart, over their square",
+            ),
+            figure(
+                "angle_noise",
+                &mut self.angle_noise,
+                0.0,
+                0.1,
+                "rad",
+                "Standard deviation of the direction to a pixel",
+            ),
+            figure(
+                "pixels",
+                &mut self.pixels,
+                1.0,
+                1000.0,
+                "",
+                "Pixels that a place is averaged over",
+            ),
+            figure(
+                "joint_noise",
+                &mut self.joint_noise,
+                0.0,
+                0.2,
+                "m",
+                "Standard deviation of an elbow or a knee in the body; hands twice, the trunk half",
+            ),
+            figure(
+                "joint_noise_time",
+                &mut self.joint_noise_time,
+                0.0,
+                10.0,
+                "s",
+                "How long that error lasts",
+            ),
+            figure(
+                "frame_loss",
+                &mut self.frame_loss,
+                0.0,
+                0.9,
+                "",
+                "Part of the frames that never arrive",
+            ),
+            figure(
+                "hold_rate",
+                &mut self.hold_rate,
+                0.0,
+                50.0,
+                "1/s",
+                "How often a joint is lost and keeps its last place",
+            ),
+            figure("hold_duration", &mut self.hold_duration, 0.0, 10.0, "s", "How long on average"),
+            figure(
+                "swap_rate",
+                &mut self.swap_rate,
+                0.0,
+                50.0,
+                "1/s",
+                "How often left and right are mistaken",
+            ),
+            figure("swap_duration", &mut self.swap_duration, 0.0, 10.0, "s", "How long on average"),
+            figure(
+                "whole_body_swaps",
+                &mut self.whole_body_swaps,
+                0.0,
+                1.0,
+                "",
+                "Part of these mistakes that take the legs too",
+            ),
+        ]
+    }
+
     /// Whether every value is in its range.
     ///
     /// # Errors
     /// [`Violations`] names every one that is not.
     pub fn check(&self) -> Result<(), Violations> {
         let mut check = Check::default();
-        let mut range = |key: &str, value, low, high, unit| {
-            check.range(format!("sensor.{key}"), value, low..=high, unit);
-        };
-        range("rate", self.rate, 5.0, 120.0, "Hz");
-        range("stamp_jitter", self.stamp_jitter, 0.0, 0.05, "s");
-        for (axis, value) in ["x", "y", "z"].iter().zip(self.position.iter()) {
-            range(&format!("position.{axis}"), *value, -20.0, 20.0, "m");
+        for Figure { key, value, low, high, unit, .. } in self.clone().figures() {
+            check.range(format!("sensor.{key}"), *value, low..=high, unit);
         }
-        range("yaw", self.yaw, -PI, PI, "rad");
-        range("depth_noise", self.depth_noise, 0.0, 0.1, "1/m");
-        range("depth_step", self.depth_step, 0.0, 0.1, "1/m");
-        range("angle_noise", self.angle_noise, 0.0, 0.1, "rad");
-        range("pixels", self.pixels, 1.0, 1000.0, "");
-        range("joint_noise", self.joint_noise, 0.0, 0.2, "m");
-        range("joint_noise_time", self.joint_noise_time, 0.0, 10.0, "s");
-        range("frame_loss", self.frame_loss, 0.0, 0.9, "");
-        range("hold_rate", self.hold_rate, 0.0, 50.0, "1/s");
-        range("hold_duration", self.hold_duration, 0.0, 10.0, "s");
-        range("swap_rate", self.swap_rate, 0.0, 50.0, "1/s");
-        range("swap_duration", self.swap_duration, 0.0, 10.0, "s");
-        range("whole_body_swaps", self.whole_body_swaps, 0.0, 1.0, "");
         check.finish()
     }
+}
+
+/// One figure of a [`SensorConfig`], both ends of its range included.
+#[derive(Debug)]
+pub struct Figure<'a> {
+    /// Its field's name, with dots for nested ones.
+    pub key: &'static str,
+    /// What it is.
+    pub value: &'a mut f64,
+    /// The least it may be.
+    pub low: f64,
+    /// The most it may be.
+    pub high: f64,
+    /// What it is counted in; empty for a plain number.
+    pub unit: &'static str,
+    /// What it means.
+    pub about: &'static str,
 }

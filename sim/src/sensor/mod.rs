@@ -23,7 +23,7 @@ use crate::scene::RecordError;
 use faults::Faults;
 use noise::{Camera, Drift};
 
-pub use config::SensorConfig;
+pub use config::{Figure, SensorConfig};
 
 /// A checked sensor. It remembers nothing between recordings.
 ///
@@ -76,13 +76,18 @@ impl Sensor {
     /// When frames are captured in a clip of `seconds`: an even beat from stamp 0, each but the
     /// first jittered; rising, never empty.
     pub fn capture_stamps(&self, seconds: f64, random: &mut impl Rng) -> Vec<Stamp> {
-        let beat = 1.0 / self.config.rate;
-        let count = (seconds.clamp(0.0, 3600.0) * self.config.rate).floor() as i64;
+        self.stamps_at(self.config.rate, seconds.clamp(0.0, 3600.0), random)
+    }
+
+    /// The same at another rate `[Hz]`, > 0, for as long as it takes.
+    pub(crate) fn stamps_at(&self, rate: f64, seconds: f64, random: &mut impl Rng) -> Vec<Stamp> {
+        let beat = 1.0 / rate;
+        let count = (seconds * rate).floor() as i64;
         let stamp = |frame: i64| {
             let normal: f64 = StandardNormal.sample(random);
             let jitter = (self.config.stamp_jitter * normal).clamp(-0.4 * beat, 0.4 * beat);
             let late = if frame == 0 { 0.0 } else { jitter };
-            // An hour in nanoseconds is far within range.
+            // What lasts longer than centuries is no recording.
             Stamp::from_seconds(frame as f64 * beat + late).unwrap_or_default()
         };
         (0..=count).map(stamp).collect()
