@@ -1,9 +1,9 @@
 """The node with its parameters, brought to `active` by lifecycle events.
 
-    ros2 launch handover_mesh handover.launch.py model:=/path/to/model.safetensors role:=receiver
+    ros2 launch handover_mesh handover.launch.py model:=/path/to/model.safetensors role:=giver
 
 `--show-args` lists every argument. An argument that is left empty leaves the parameter as the
-parameter file has it.
+parameter file has it, and what that does not have is the model's own.
 """
 
 from launch import LaunchDescription
@@ -12,23 +12,25 @@ from launch.actions import (
 from launch.conditions import IfCondition
 from launch.event_handlers import OnProcessStart
 from launch.events import matches_action
-from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import LifecycleNode
 from launch_ros.event_handlers import OnStateTransition
 from launch_ros.events.lifecycle import ChangeState
 from launch_ros.parameter_descriptions import ParameterValue
-from launch_ros.substitutions import FindPackageShare
 from lifecycle_msgs.msg import Transition
 
 # Argument → parameter and its type; the description is the argument's.
 PARAMETERS = {
-    "model": ("node.model", str, "A model file (.safetensors) or a folder of demonstrations."),
-    "role": ("node.role", str, "Whose place the robot takes, as the recordings name them: giver, "
-             "receiver; A, B."),
-    "method": ("node.method", str, "How the robot's motion is found, as `handover evaluate` names "
-               "it."),
-    "rate": ("node.rate", float, "Ticks, and so targets, a second [Hz]."),
-    "world_frame": ("node.world_frame", str, "The frame of the targets."),
+    "model": ("node.model", str, "A model file (.safetensors), as `handover learn` writes it."),
+    "role": ("node.role", str, "Whose place the model's robot has to take, as the recordings name "
+             "them: giver, receiver; A, B."),
+    "method": ("node.method", str, "Whether the edges between the people count (mesh), or the "
+               "demonstrations alone (none)."),
+    "rate": ("node.rate", float, "Ticks, and so targets, a second at least [Hz]."),
+    "source": ("node.source", str, "Where the partner is seen: skeleton, tf or markers."),
+    "robot_state": ("node.robot_state", str, "How the robot's joints are known at the start: "
+                    "reported (on robot_skeleton) or demonstrated."),
+    "world_frame": ("node.world_frame", str, "The frame that all is in, the targets too."),
 }
 # Topic as the node names it → what it carries. Each is an argument: where else to find it.
 TOPICS = {
@@ -57,7 +59,7 @@ def start(context):
     node = LifecycleNode(
         package="handover_mesh", executable="handover_node",
         name=given("name"), namespace=given("namespace"),
-        parameters=[given("params_file"), chosen],
+        parameters=[*([given("params_file")] if given("params_file") else []), chosen],
         remappings=[(topic, given(argument_of(topic))) for topic in TOPICS
                     if given(argument_of(topic)) != topic],
         ros_arguments=["--log-level", given("log_level")],
@@ -92,13 +94,14 @@ def start(context):
 
 def generate_launch_description():
     """What `ros2 launch` runs."""
-    shipped = PathJoinSubstitution([FindPackageShare("handover_mesh"), "config", "handover.yaml"])
     return LaunchDescription([
         *(DeclareLaunchArgument(
-            name, default_value="", description=f"{text} Empty: as in params_file.")
+            name, default_value="", description=f"{text} Empty: as in params_file, or by default.")
           for name, (_, _, text) in PARAMETERS.items()),
-        DeclareLaunchArgument("params_file", default_value=shipped,
-                              description="Parameters of the node, a YAML file."),
+        DeclareLaunchArgument("params_file", default_value="",
+                              description="Parameters over the model's, a YAML file; "
+                              "config/handover.yaml of this package explains every one. Empty: the "
+                              "model's own."),
         DeclareLaunchArgument("name", default_value="handover",
                               description="Name of the node, and so of its topics and services."),
         DeclareLaunchArgument("namespace", default_value="",

@@ -23,8 +23,8 @@ from launch_ros.substitutions import FindPackageShare
 SIMULATOR = {
     "recording": ("recording", str, "", None,
                   "What is played: a file of any format that `handover` reads. Empty: made up."),
-    "seed": ("seed", int, "1", None, "What is made up where no recording is given."),
-    "speed": ("rate_factor", float, "1.0", None, "How many times as fast as recorded."),
+    "seed": ("seed", int, "0", None, "What is made up where no recording is given."),
+    "speed": ("speed", float, "1.0", None, "How many times as fast as recorded."),
     "loop": ("loop", bool, "false", ["true", "false"], "Whether it begins anew at its end."),
     "clock": ("clock", bool, "false", ["true", "false"],
               "Whether the simulator's time is published as /clock, and the node keeps it."),
@@ -53,6 +53,7 @@ def start(context):
     node["use_sim_time"] = given("clock")
     chosen = {key: ParameterValue(given(name), value_type=kind)
               for name, (key, kind, _, _, _) in SIMULATOR.items() if given(name)}
+    chosen["exit_at_end"] = True
     if given("role"):
         chosen["role"] = ParameterValue(given("role"), value_type=str)
     files = [given("simulator_params_file")] if given("simulator_params_file") else []
@@ -102,8 +103,8 @@ def generate_launch_description():
                               "rosbag2_ and the date."),
         DeclareLaunchArgument("storage", default_value="mcap", choices=["mcap", "sqlite3"],
                               description="How the bag is stored, with targets:=record."),
-        DeclareLaunchArgument("params_file", default_value=shipped("config", "handover.yaml"),
-                              description="Parameters of the node, a YAML file."),
+        DeclareLaunchArgument("params_file", default_value="",
+                              description="As `params_file` of handover.launch.py."),
         *(DeclareLaunchArgument(name, default_value=default,
                                 description=f"As `{name}` of handover.launch.py.")
           for name, default in HANDED_ON.items()),

@@ -12,6 +12,7 @@ import subprocess
 import sys
 
 import pytest
+import yaml
 
 HERE = pathlib.Path(__file__).parent
 ROOT = HERE.parents[1]
@@ -92,13 +93,12 @@ def test_a_wrong_choice_is_refused_and_every_right_one_taken(execute, name, argu
         execute(name, **{argument: "perhaps"})
 
 
-def test_the_node_by_default_is_as_the_shipped_file_has_it(execute):
+def test_the_node_by_default_has_the_models_parameters(execute):
     executed = execute("handover")
     node, = of(executed, "LifecycleNode")
     assert (node.package, node.executable) == ("handover_mesh", "handover_node")
     assert (node.node_name, node.namespace) == ("handover", "")
-    assert node.files == [str(ROOT / "config" / "handover.yaml")]
-    assert os.path.isfile(node.files[0])
+    assert node.files == []
     assert node.values == {"use_sim_time": False}
     assert node.remappings == []
     assert node.ros_arguments == ["--log-level", "info"]
@@ -132,7 +132,8 @@ def test_without_autostart_nothing_is_changed(execute):
 
 def test_the_nodes_arguments_reach_it(execute):
     executed = execute(
-        "handover", model="/m.safetensors", role="1", method="knn", rate="60", world_frame="map",
+        "handover", model="/m.safetensors", role="1", method="none", rate="60", world_frame="map",
+        source="tf", robot_state="demonstrated",
         params_file="/p.yaml", name="left", namespace="/robots/two", use_sim_time="true",
         log_level="debug", skeleton="/camera/skeleton", skeleton_markers="/camera/markers",
         robot_skeleton="own", object_pose="/cup", joint_targets="/targets", hand_target="/hand")
@@ -141,8 +142,12 @@ def test_the_nodes_arguments_reach_it(execute):
     assert node.files == ["/p.yaml"]
     # The role keeps being text; the rate is a float, which a declared double needs.
     assert node.values == {
-        "node.model": "/m.safetensors", "node.role": "1", "node.method": "knn", "node.rate": 60.0,
-        "node.world_frame": "map", "use_sim_time": True}
+        "node.model": "/m.safetensors", "node.role": "1", "node.method": "none", "node.rate": 60.0,
+        "node.source": "tf", "node.robot_state": "demonstrated", "node.world_frame": "map",
+        "use_sim_time": True}
+    shipped = yaml.safe_load((ROOT / "config" / "handover.yaml").read_text())
+    section = shipped["/**"]["ros__parameters"]["node"]
+    assert {f"node.{key}" for key in section} >= set(node.values) - {"use_sim_time"}
     assert isinstance(node.values["node.rate"], float)
     assert node.remappings == [
         ("skeleton", "/camera/skeleton"), ("skeleton_markers", "/camera/markers"),
@@ -203,7 +208,9 @@ def test_the_simulator_starts_with_an_active_node_and_ends_all(execute, stubs):
     assert (simulator.node_name, simulator.namespace) == ("handover_sim", "")
     assert simulator.files == []
     assert simulator.values == {
-        "seed": 1, "rate_factor": 1.0, "loop": False, "clock": False, "tf": False}
+        "seed": 0, "speed": 1.0, "loop": False, "clock": False, "tf": False, "exit_at_end": True}
+    table = (ROOT / "docs" / "simulator.md").read_text()
+    assert all(f"| `{name}` |" in table for name in simulator.values)
     ends, = handlers(executed, "OnProcessExit")
     assert ends.target_action is simulator
     assert type(ends.entities[0].event).__name__ == "Shutdown"
@@ -225,8 +232,8 @@ def test_a_replays_arguments_reach_simulator_and_node(execute, stubs):
     stubs.run([simulator], stubs.LaunchContext())
     assert simulator.namespace == "/ns" and simulator.files == ["/s.yaml"]
     assert simulator.values == {
-        "recording": "/clip.csv", "seed": 7, "rate_factor": 2.0, "loop": True, "clock": True,
-        "tf": True, "role": "receiver"}
+        "recording": "/clip.csv", "seed": 7, "speed": 2.0, "loop": True, "clock": True,
+        "tf": True, "role": "receiver", "exit_at_end": True}
     assert simulator.ros_arguments == ["--log-level", "warn"]
 
 
