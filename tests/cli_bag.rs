@@ -290,3 +290,21 @@ fn violations_of_bags_say_message_and_topic() {
     assert_eq!(error["line"], serde_json::Value::Null);
     assert_eq!((&error["message"], &error["topic"]), (&17.into(), &"/giver/skeleton".into()));
 }
+
+#[test]
+fn a_folder_with_metadata_of_something_else_is_searched() {
+    let folder = clips(1);
+    fs::write(path(&folder, "clips/metadata.yaml"), "camera: 3\n").unwrap();
+    check(&folder, &["import", "clips/0.csv", "0.mcap"], 0, &[]);
+    let whole = bytes(&folder, "0.mcap");
+    let packed = path(&folder, "clips/1.mcap.zstd");
+    fs::write(packed, zstd::encode_all(&whole[..], 1).unwrap()).unwrap();
+    let words = ["clips/0.csv: CSV, giver", "clips/1.mcap.zstd: MCAP bag, giver"];
+    check(&folder, &["check", "clips"], 0, &words);
+    // What names no file of its folder is no bag.
+    let text = "rosbag2_bagfile_information:\n  relative_file_paths: [../0.mcap]\n";
+    fs::write(path(&folder, "clips/metadata.yaml"), text).unwrap();
+    let words =
+        ["clips: BAD\n  no bag: metadata.yaml names '../0.mcap', which is not in the folder"];
+    check(&folder, &["check", "clips"], 1, &words);
+}

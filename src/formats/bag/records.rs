@@ -68,7 +68,7 @@ impl<'a> ChunkHeader<'a> {
     pub(super) fn read(body: &'a [u8]) -> Option<Self> {
         let mut fields = Fields(body);
         // The times of its messages, which they say themselves.
-        (fields.u64()?, fields.u64()?);
+        fields.bytes(16)?;
         let (unpacked, checksum) = (fields.u64()?, fields.u32()?);
         let length = fields.u32()?;
         let compression = fields.bytes(length.into())?;

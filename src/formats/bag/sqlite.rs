@@ -5,6 +5,7 @@
 //! tables is asked, and no more than the file can hold is taken.
 
 use std::collections::BTreeMap;
+use std::io::Read as _;
 
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, MAIN_DB};
@@ -82,17 +83,17 @@ fn cut_behind(bytes: &[u8]) -> Option<String> {
 fn open(bytes: &[u8]) -> Result<Connection, Fault> {
     let page = page_size(bytes).filter(|page| bytes.len() >= HEAD.max(*page));
     let page = page.ok_or_else(|| Fault::Other("its header is damaged".to_owned()))?;
-    let mut bytes = bytes.to_vec();
     // SQLite refuses a database with fewer pages than it claims; the whole ones serve us.
-    bytes.truncate(bytes.len() / page * page);
+    let bytes = &bytes[..bytes.len() / page * page];
+    let (head, rest) = bytes.split_at(HEAD);
+    let mut head = head.to_vec();
     let pages = u32::try_from(bytes.len() / page).unwrap_or(u32::MAX);
-    bytes[28..32].copy_from_slice(&pages.to_be_bytes());
+    head[28..32].copy_from_slice(&pages.to_be_bytes());
     // One that was written with a log beside it cannot be opened from memory; what is in the log
     // is not in these bytes either way.
-    bytes[18..20].copy_from_slice(&[1, 1]);
+    head[18..20].copy_from_slice(&[1, 1]);
     let mut database = Connection::open_in_memory()?;
-    let length = bytes.len();
-    database.deserialize_read_exact(MAIN_DB, &bytes[..], length, true)?;
+    database.deserialize_read_exact(MAIN_DB, head.chain(rest), bytes.len(), true)?;
     database.execute_batch("PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON;")?;
     Ok(database)
 }
