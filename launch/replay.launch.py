@@ -53,7 +53,7 @@ def start(context):
     node["use_sim_time"] = given("clock")
     chosen = {key: ParameterValue(given(name), value_type=kind)
               for name, (key, kind, _, _, _) in SIMULATOR.items() if given(name)}
-    chosen["exit_at_end"] = True
+    chosen["exit_at_end"] = ParameterValue("true", value_type=bool)
     if given("role"):
         chosen["role"] = ParameterValue(given("role"), value_type=str)
     files = [given("simulator_params_file")] if given("simulator_params_file") else []
