@@ -132,7 +132,8 @@ fn a_bags_folder_is_one_recording_and_goes_wherever_a_csv_goes() {
     check(&folder, &["check", "bags/0.bag"], 0, &words);
     // What was learned of bags is what was learned of CSVs, but for the files' hashes.
     let evaluate = |from: &str| {
-        let command = ["evaluate", from, "--protocol", "leave_one_out", "--methods", "hold,knn"];
+        let methods = METHODS[..3].join(",");
+        let command = ["evaluate", from, "--protocol", "leave_one_out", "--methods", &methods];
         check(&folder, &[&command[..], &["--json", "--group", "pair"]].concat(), 0, &[]).stdout
     };
     assert_eq!(evaluate("bags"), evaluate("clips"));
@@ -143,7 +144,6 @@ fn a_bags_folder_is_one_recording_and_goes_wherever_a_csv_goes() {
         let [a, b] = [format!("clips/{number}.csv"), format!("back/{number}.csv")];
         assert_eq!(bytes(&folder, &a), bytes(&folder, &b));
     }
-    assert_eq!(METHODS.len(), 8);
 }
 
 #[test]

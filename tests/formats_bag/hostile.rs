@@ -37,11 +37,9 @@ fn a_bag_cut_anywhere_gives_what_is_whole() {
                     [] => assert_eq!(frames, 900, "{cut}"),
                     other => panic!("{cut}: {other:?}"),
                 }
-                let same = |a: &[f64], b: &[f64]| a == b;
                 let at = frames - 1;
                 let place = found.recording.people()[1].motion.frames()[at].positions[14];
-                let truth = super::scenes::place(1, at as i64, 14);
-                assert!(same(place.coords.as_slice(), truth.coords.as_slice()));
+                assert_eq!(place, super::scenes::place(1, at as i64, 14));
             }
             Err(error) => {
                 assert_eq!(least, 0, "{cut}: {error}");
@@ -101,10 +99,7 @@ fn chunks(bytes: &[u8]) -> Vec<(usize, usize)> {
 #[test]
 fn claimed_sizes_fill_no_memory_of_bags() {
     let bytes = small();
-    let (chunk, _) = {
-        let at = (8..).find(|at| bytes[*at] == 6).unwrap();
-        (at, ())
-    };
+    let chunk = (8..).find(|at| bytes[*at] == 6).unwrap();
     // Of the record, of what comes out of the chunk, and of what is in it.
     for at in [chunk + 1, chunk + 9 + 16, chunk + 9 + 36] {
         for claim in [u64::MAX, u64::MAX / 2, 1 << 40, 1 << 33, 1 << 27, 0] {

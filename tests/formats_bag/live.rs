@@ -171,7 +171,7 @@ fn who_is_out_of_sight_for_a_moment_is_put_on_the_line() {
     let hand = |frame: usize| {
         found.recording.person(Role::First).motion.frames()[frame].positions[LEFT_HAND]
     };
-    let middle = nalgebra_middle(hand(3), hand(8), 0.4);
+    let middle = between(hand(3), hand(8), 0.4);
     assert!((hand(5) - middle).norm() < 1e-6, "{} {middle}", hand(5));
     assert_eq!(hand(8), place(0, 8, LEFT_HAND));
     let still = read(&bag_of(&pair(20, |_, _, _| {}))).unwrap();
@@ -180,7 +180,7 @@ fn who_is_out_of_sight_for_a_moment_is_put_on_the_line() {
     assert_eq!(same(&found.recording), same(&still.recording));
 }
 
-fn nalgebra_middle(from: Point, to: Point, part: f64) -> Point {
+fn between(from: Point, to: Point, part: f64) -> Point {
     from + (to - from) * part
 }
 
