@@ -214,7 +214,13 @@ class Programs:
                 failures.append(str(failure))
         assert not failures, "\n".join(failures)
 
-    def kill_all(self):
-        """For the way out after a failure: nothing stays, and nothing is asked."""
-        for process in self._processes:
+    def end_all(self, seconds=2.0):
+        """For the way out after a failure: nothing stays, whatever it says to that."""
+        running = [process for process in self._processes if not process.ended()]
+        for process in running:
+            process.send(signal.SIGINT)
+        end = time.monotonic() + seconds
+        while time.monotonic() < end and not all(process.ended() for process in running):
+            time.sleep(0.01)
+        for process in running:
             process.kill()

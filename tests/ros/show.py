@@ -154,7 +154,7 @@ def play(model, recording, role, work):
         programs.stop_all()
         return recorder
     finally:
-        programs.kill_all()
+        programs.end_all()
         peer.close()
 
 
