@@ -91,6 +91,14 @@ class Meeting:
             self.sent.append((time.monotonic_ns(), nanoseconds(stamp)))
             self.partner.publish(skeleton(self.clip.people[frame][RECEIVER], stamp))
 
+    def begin(self, frame=0):
+        """Shows a frame until the node answers: a first best-effort message may be lost."""
+        def is_answered():
+            self.show(frame)
+            time.sleep(0.02)
+            return self.targets.count > 0
+        wait_for(is_answered, 10, "a first target")
+
     def play(self, start=0, end=None, speed=1.0):
         """Frames by the wall clock."""
         end = len(self.clip.times) if end is None else end

@@ -92,11 +92,13 @@ def test_nothing_is_published_before_the_robot_has_said_where_it_is(handover, ro
     assert meeting.targets.count == 0
     assert values(diagnostics.last)["hold_reason"] == "no_robot"
     some = dict(list(clip.robot(0).items())[:5])
-    meeting.robot.publish(skeleton(some, ros.now()))
-    wait_for(lambda: "robot_skeleton: without" in diagnostics.last.status[0].message,
-             what="what the robot has not said")
-    meeting.show(10)
-    meeting.targets.wait()
+
+    def is_told():
+        meeting.robot.publish(skeleton(some, ros.now()))
+        time.sleep(0.02)
+        return "robot_skeleton: without" in diagnostics.last.status[0].message
+    wait_for(is_told, what="what the robot has not said")
+    meeting.begin(10)
     process.stop()
 
 
@@ -237,7 +239,7 @@ def test_bad_messages_are_refused_by_name(handover, ros, clip):
     process = handover()
     meeting = Meeting(ros, clip)
     diagnostics = ros.listen(DiagnosticArray, "/diagnostics")
-    meeting.show(0)
+    meeting.begin()
 
     def refused(words, **changes):
         message = skeleton(clip.people[0][RECEIVER], ros.now())
