@@ -49,9 +49,8 @@ fn after_help() -> String {
     text.push_str("\nParameters, with their defaults (* may be set while it runs):\n");
     for parameter in parameters("ideal") {
         let mark = if parameter.read_only.is_none() { "*" } else { " " };
-        let value = parameter.value.to_string();
-        let _ =
-            writeln!(text, " {mark}{:<25} {value:<8} {}", parameter.name, parameter.description);
+        let _ = writeln!(text, " {mark}{} = {}", parameter.name, parameter.value);
+        let _ = writeln!(text, "      {}", parameter.description);
     }
     text.push_str("\ndocs/simulator.md explains them, with their ranges.");
     text

@@ -10,13 +10,14 @@ use std::time::Duration;
 use anyhow::{Context as _, Result, anyhow};
 use handover_mesh::formats::{self, UpAxis};
 use handover_mesh::parameters::{ParameterValue, Refusals};
+use handover_mesh::ros::context::{ArgumentsError, context};
 use handover_mesh::ros::parameters::{ParameterServer, ParameterServerError};
 use handover_mesh::ros::shell::{RosClock, Stop};
 use handover_mesh::{Recording, Stamp};
 use handover_sim::broadcast::{
     BroadcastError, Outgoing, Player, Reliability, Settings, Source, Topic, follow_ups, parameters,
 };
-use r2r::{Clock, ClockType, Context, Node, PublisherUntyped, QosProfile};
+use r2r::{Clock, ClockType, Node, PublisherUntyped, QosProfile};
 
 use crate::complain;
 
@@ -45,6 +46,7 @@ pub(crate) fn run() -> ExitCode {
 fn is_usage(error: &anyhow::Error) -> bool {
     let refused = error.downcast_ref::<ParameterServerError>();
     matches!(refused, Some(ParameterServerError::Refused(_)))
+        || error.is::<ArgumentsError>()
         || error.is::<BroadcastError>()
         || error.is::<Unreadable>()
 }
@@ -56,7 +58,7 @@ struct Unreadable(anyhow::Error);
 
 fn play() -> Result<()> {
     let stop = Stop::on_signals()?;
-    let mut node = Node::create(Context::create()?, NAME, "")?;
+    let mut node = Node::create(context()?, NAME, "")?;
     // Dropped before the node, whatever happens: what it offers is the node's.
     let mut broadcast = Broadcast::new(&mut node)?;
     broadcast.spin(&mut node, &stop)

@@ -42,10 +42,12 @@ fn play(player: &mut Player, length: f64, milliseconds: i64) -> Vec<Outgoing> {
 }
 
 fn skeletons(sent: &[Outgoing]) -> Vec<&MultiDofJointState> {
-    let skeleton = |sent| match sent {
-        &Outgoing::Skeleton(ref skeleton) => Some(skeleton),
-        _ => None,
-    };
+    fn skeleton(sent: &Outgoing) -> Option<&MultiDofJointState> {
+        match sent {
+            Outgoing::Skeleton(skeleton) => Some(skeleton),
+            _ => None,
+        }
+    }
     sent.iter().filter_map(skeleton).collect()
 }
 

@@ -5,6 +5,7 @@
 //! is shared between the two but the clock's. What services ask for goes from the first to the second
 //! as a command.
 
+pub mod context;
 mod inbox;
 mod lifecycle;
 mod node;

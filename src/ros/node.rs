@@ -8,9 +8,10 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, anyhow, bail};
-use r2r::{Context, Node};
+use r2r::Node;
 use serde_json::{Value, json};
 
+use super::context::{ArgumentsError, context};
 use super::inbox::Inbox;
 use super::lifecycle::LifecycleServer;
 use super::parameters::{ParameterServer, ParameterServerError};
@@ -18,7 +19,7 @@ use super::shell::{RosClock, Stop};
 use super::subscriptions::Subscriptions;
 use super::ticker::{Command, Publishers, Ticker, Ticking};
 use super::triggers::{Asked, Triggers};
-use crate::config::{Config, Kind, NodeSettings};
+use crate::config::{Config, ConfigError, Kind, NodeSettings};
 use crate::lifecycle::{Outcome, State, Step};
 use crate::live::Live;
 use crate::model::Model;
@@ -51,27 +52,20 @@ const IDLE: Duration = Duration::from_millis(20);
 ///
 /// Exit codes: 0 ended as asked, 1 failed, 2 started with parameters that cannot be meant.
 pub fn run() -> ExitCode {
-    let run = || -> Result<ExitCode> {
+    let run = || -> Result<()> {
         let stop = Stop::on_signals()?;
-        let mut node = Node::create(Context::create()?, NAME, "")?;
-        let mut handover = match Handover::new(&mut node) {
-            Ok(handover) => handover,
-            Err(error) => {
-                let is_usage = matches!(
-                    error.downcast_ref::<ParameterServerError>(),
-                    Some(ParameterServerError::Refused(_))
-                );
-                r2r::log_error!(node.logger(), "{error:#}");
-                return Ok(ExitCode::from(if is_usage { 2 } else { 1 }));
-            }
-        };
+        let mut node = Node::create(context()?, NAME, "")?;
+        let mut handover = Handover::new(&mut node)?;
         handover.spin(&mut node, &stop);
-        Ok(ExitCode::SUCCESS)
+        Ok(())
     };
-    run().unwrap_or_else(|error| {
-        r2r::log_error!(NAME, "{error:#}");
-        ExitCode::FAILURE
-    })
+    let Err(error) = run() else { return ExitCode::SUCCESS };
+    r2r::log_error!(NAME, "{error:#}");
+    let refused = error.downcast_ref::<ParameterServerError>();
+    let is_usage = matches!(refused, Some(ParameterServerError::Refused(_)))
+        || error.is::<ArgumentsError>()
+        || error.is::<ConfigError>();
+    ExitCode::from(if is_usage { 2 } else { 1 })
 }
 
 /// The node's parts; the graph's node itself is the caller's, and outlives them.

@@ -324,6 +324,17 @@ def test_what_cannot_be_played_is_said(programs, parameters, words):
     assert words in process.stderr()
 
 
+@pytest.mark.parametrize(("arguments", "words"), [
+    (["-p", "bad"], "Couldn't parse parameter override rule: '-p bad'"),
+    (["--params-file", "/nowhere/parameters.yaml"], "/nowhere/parameters.yaml"),
+])
+def test_malformed_arguments_are_said(programs, arguments, words):
+    process = programs.start("handover_sim", "node", "--ros-args", *arguments)
+    assert process.wait() == 2
+    assert f"error: {words.split('/')[0]}" in process.stderr() and words in process.stderr()
+    assert "panicked" not in process.stderr()
+
+
 def test_what_yaml_takes_for_a_truth_is_a_choice(simulator, ros, clip):
     simulator(recording=str(clip[0]), up="y")
     assert ros.get_parameters(NODE, "up") == ["y"]

@@ -43,7 +43,11 @@ pub enum BroadcastError {
 /// let settings = Settings { start_delay: handover_mesh::Span(0), ..Settings::default() };
 /// let mut player = Player::new(Source::generated(1)?, settings)?;
 /// let sent = player.advance(Stamp(5_000_000_000));
-/// let Some(Outgoing::Skeleton(skeleton)) = sent.get(2) else { panic!("{sent:?}") };
+/// let skeleton = sent.iter().find_map(|sent| match sent {
+///     Outgoing::Skeleton(skeleton) => Some(skeleton),
+///     _ => None,
+/// });
+/// let skeleton = skeleton.unwrap();
 /// assert_eq!((skeleton.joint_names.len(), skeleton.header.stamp.sec), (15, 5));
 /// # Ok::<(), handover_sim::broadcast::BroadcastError>(())
 /// ```

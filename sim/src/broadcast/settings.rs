@@ -73,12 +73,7 @@ pub fn parameters(kind: &str) -> Vec<Parameter> {
     let mut parameters = vec![
         at_start(text("recording", "", "The file to play; empty: a made-up handover")),
         at_start(
-            Parameter::new(
-                "seed",
-                0,
-                "What all random choices follow from: the made-up handover, the sensor's noise",
-            )
-            .whole(0, i64::MAX),
+            Parameter::new("seed", 0, "What all random choices follow from").whole(0, i64::MAX),
         ),
         at_start(text("up", "z", "The file's axis that points up").one_of(["z", "y"])),
         at_start(text(
