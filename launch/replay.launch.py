@@ -53,6 +53,9 @@ def start(context):
     node["use_sim_time"] = given("clock")
     chosen = {key: ParameterValue(given(name), value_type=kind)
               for name, (key, kind, _, _, _) in SIMULATOR.items() if given(name)}
+    # The node, and the recorder.
+    listeners = "2" if given("targets") == "record" else "1"
+    chosen["listeners"] = ParameterValue(listeners, value_type=int)
     chosen["exit_at_end"] = ParameterValue("true", value_type=bool)
     if given("role"):
         chosen["role"] = ParameterValue(given("role"), value_type=str)

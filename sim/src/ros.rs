@@ -8,7 +8,7 @@ use std::sync::PoisonError;
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, anyhow};
-use handover_mesh::formats::{self, UpAxis};
+use handover_mesh::formats::{self, UpAxis, bag};
 use handover_mesh::parameters::{ParameterValue, Refusals};
 use handover_mesh::ros::context::{ArgumentsError, context};
 use handover_mesh::ros::parameters::{ParameterServer, ParameterServerError};
@@ -68,6 +68,8 @@ fn play() -> Result<()> {
 struct Broadcast {
     server: ParameterServer,
     player: Player,
+    /// Whether whoever has to listen does.
+    is_begun: bool,
     publishers: Vec<(Topic, PublisherUntyped)>,
     ros_clock: RosClock,
     steady_clock: Clock,
@@ -94,6 +96,7 @@ impl Broadcast {
             steady_clock: Clock::create(ClockType::SteadyTime)?,
             server,
             player,
+            is_begun: false,
         })
     }
 
@@ -102,8 +105,9 @@ impl Broadcast {
         let longest = if has_clock { LONGEST_WAIT_WITH_CLOCK } else { LONGEST_WAIT };
         while !stop.is_set() {
             let now = self.now()?;
+            self.is_begun = self.is_begun || self.has_listeners();
             // Before simulated time of somebody else has begun there is none.
-            if has_clock || now > Stamp(0) {
+            if self.is_begun && (has_clock || now > Stamp(0)) {
                 for message in self.player.advance(now) {
                     self.send(&message)?;
                 }
@@ -119,6 +123,17 @@ impl Broadcast {
             self.serve(node)?;
         }
         Ok(())
+    }
+
+    /// Whether as many listen to the partner as there have to be.
+    fn has_listeners(&self) -> bool {
+        let wanted = self.player.settings().listeners;
+        let topics = [Topic::Skeleton, Topic::Transforms, Topic::Markers];
+        let of = |topic| self.publishers.iter().find(|(known, _)| *known == topic);
+        let publisher = topics.into_iter().find_map(of);
+        publisher.is_none_or(|(_, publisher)| {
+            publisher.get_inter_process_subscription_count().is_ok_and(|count| count >= wanted)
+        })
     }
 
     fn now(&mut self) -> Result<Stamp> {
@@ -177,12 +192,30 @@ fn source(settings: &Settings) -> Result<Source> {
     Ok(Source::Recording(Box::new(recording)))
 }
 
-/// The one place that knows how what is played is stored: a file of any format there is.
+/// The one place that knows how what is played is stored: a file of any format there is, or a bag's
+/// folder.
 fn read(path: &Path, up: UpAxis) -> Result<Recording> {
     let at = || path.display().to_string();
-    let bytes = fs::read(path).with_context(at)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    formats::read(&bytes, &name, up).map_err(|error| anyhow!("{}: {error}", at()))
+    if !path.is_dir() {
+        let bytes = fs::read(path).with_context(at)?;
+        return formats::read(&bytes, &name, up).map_err(|error| anyhow!("{}: {error}", at()));
+    }
+    let metadata = path.join(bag::METADATA_FILE);
+    let metadata = fs::read_to_string(&metadata).with_context(|| metadata.display().to_string())?;
+    let names = bag::file_names(&metadata).with_context(at)?;
+    let files: Vec<Option<Vec<u8>>> =
+        names.iter().map(|name| fs::read(path.join(name)).ok()).collect();
+    let files: Vec<bag::File<'_>> = names
+        .iter()
+        .zip(&files)
+        .map(|(name, bytes)| bag::File { name, bytes: bytes.as_deref() })
+        .collect();
+    let read = bag::read(&files, Some(&metadata), &name, up).with_context(at)?;
+    for lost in &read.losses {
+        r2r::log_warn!(NAME, "{}: lost: {lost}", at());
+    }
+    Ok(read.recording)
 }
 
 fn publishers(node: &mut Node, settings: &Settings) -> Result<Vec<(Topic, PublisherUntyped)>> {

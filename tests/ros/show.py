@@ -140,7 +140,9 @@ def play(model, recording, role, work):
             if not peer.change_state("/handover", transition):
                 raise AssertionError(f"the node did not {transition}")
         simulator = programs.start("handover_sim", "node", name="handover_sim",
-                                   parameters={"recording": str(recording), "role": role})
+                                   parameters={"recording": str(recording), "role": role,
+                                               # The node and the recorder.
+                                               "listeners": 2})
         wait_for(lambda: recorder.count("/skeleton") > 0, 10, "a skeleton", simulator)
         # Its end is that nobody is seen any more, be the simulator still there or not.
         seen = {"count": 0, "at": time.monotonic()}

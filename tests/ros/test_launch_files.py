@@ -208,7 +208,8 @@ def test_the_simulator_starts_with_an_active_node_and_ends_all(execute, stubs):
     assert (simulator.node_name, simulator.namespace) == ("handover_sim", "")
     assert simulator.files == []
     assert simulator.values == {
-        "seed": 0, "speed": 1.0, "loop": False, "clock": False, "tf": False, "exit_at_end": True}
+        "seed": 0, "speed": 1.0, "loop": False, "clock": False, "tf": False, "exit_at_end": True,
+        "listeners": 1}
     table = (ROOT / "docs" / "simulator.md").read_text()
     assert all(f"| `{name}` |" in table for name in simulator.values)
     ends, = handlers(executed, "OnProcessExit")
@@ -233,7 +234,8 @@ def test_a_replays_arguments_reach_simulator_and_node(execute, stubs):
     assert simulator.namespace == "/ns" and simulator.files == ["/s.yaml"]
     assert simulator.values == {
         "recording": "/clip.csv", "seed": 7, "speed": 2.0, "loop": True, "clock": True,
-        "tf": True, "role": "receiver", "exit_at_end": True}
+        "tf": True, "role": "receiver", "exit_at_end": True,
+        "listeners": 1}
     assert simulator.ros_arguments == ["--log-level", "warn"]
 
 

@@ -1,6 +1,7 @@
 //! The time → what is due.
 
 use handover_mesh::bodies::{Body, to_joint_state, to_markers, to_transforms};
+use handover_mesh::formats::bag::ROBOT;
 use handover_mesh::messages::{Clock, Header, Pose, PoseStamped, Time};
 use handover_mesh::{Frame, Point, Role, Skeleton, Span, Stamp};
 
@@ -82,7 +83,7 @@ impl Player {
     pub fn new(source: Source, settings: Settings) -> Result<Self, BroadcastError> {
         let role = match &settings.role {
             Some(name) => source.role(name)?,
-            None => Role::First,
+            None => source.role(ROBOT).unwrap_or(Role::First),
         };
         let take = source.take(&settings, 0)?;
         let phase = Phase::Waiting { until: None };

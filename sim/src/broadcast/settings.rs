@@ -37,6 +37,8 @@ pub struct Settings {
     pub pause: Span,
     /// Before the first beginning.
     pub start_delay: Span,
+    /// How many have to listen to the partner before that delay begins.
+    pub listeners: usize,
     /// Whether time is ours: stamps are simulated, and `/clock` tells others.
     pub has_clock: bool,
     /// When simulated time starts; none: at the recording's first stamp.
@@ -79,7 +81,7 @@ pub fn parameters(kind: &str) -> Vec<Parameter> {
         at_start(text(
             "role",
             "",
-            "Whom the robot stands in for, by name; empty: the first person",
+            "Whom the robot stands in for, by name; empty: robot, else the first person",
         )),
         number("speed", 1.0, 0.01, 100.0, "How fast, 1 is as recorded [-]"),
         at_start(number("rate", 0.0, 0.0, 240.0, "Frames a second, 0: the recording's own [Hz]")),
@@ -87,6 +89,14 @@ pub fn parameters(kind: &str) -> Vec<Parameter> {
         switch("loop", false, "Whether it begins again at the end"),
         at_start(number("pause", 1.0, 0.0, 3600.0, "Between the end and the next beginning [s]")),
         at_start(number("start_delay", 1.0, 0.0, 3600.0, "Before the first beginning [s]")),
+        at_start(
+            Parameter::new(
+                "listeners",
+                0,
+                "How many have to listen to the partner before start_delay begins [-]",
+            )
+            .whole(0, 100),
+        ),
         at_start(switch("clock", false, "Whether stamps are simulated and /clock tells the time")),
         at_start(number(
             "clock_start",
@@ -212,6 +222,7 @@ impl Settings {
             is_looped: table.is_true("loop"),
             pause: span(table.number("pause")),
             start_delay: span(table.number("start_delay")),
+            listeners: usize::try_from(table.whole("listeners")).unwrap_or_default(),
             has_clock: table.is_true("clock"),
             clock_start: positive("clock_start").map(span),
             sends_skeleton: table.is_true("skeleton"),
