@@ -63,6 +63,9 @@ class Process:
     test is stopped after it, with the same demands.
     """
 
+    # What killed processes had in shared memory together with others, who cannot remove it.
+    _orphans = set()
+
     def __init__(self, command, folder, label, environment):
         self.label = label
         self.command = [str(word) for word in command]
@@ -131,6 +134,7 @@ class Process:
         # The next test is not to find them.
         for path in left:
             pathlib.Path(path).unlink(missing_ok=True)
+        left -= self._orphans
         assert not left, f"{self} left in shared memory: {sorted(left)}"
 
     def kill(self):
@@ -140,7 +144,9 @@ class Process:
         held = held_by(self.pid) - self._before
         os.killpg(self.pid, signal.SIGKILL)
         self._process.wait()
-        for path in held - held_by_anybody():
+        shared = held & held_by_anybody()
+        self._orphans |= shared
+        for path in held - shared:
             pathlib.Path(path).unlink(missing_ok=True)
 
     def _assert_group_is_gone(self):
