@@ -63,7 +63,8 @@ class Process:
     test is stopped after it, with the same demands.
     """
 
-    # What killed processes had in shared memory together with others, who cannot remove it.
+    # What others had in shared memory when somebody was killed: who is never told of that, may not
+    # be able to remove it.
     _orphans = set()
 
     def __init__(self, command, folder, label, environment):
@@ -144,9 +145,9 @@ class Process:
         held = held_by(self.pid) - self._before
         os.killpg(self.pid, signal.SIGKILL)
         self._process.wait()
-        shared = held & held_by_anybody()
-        self._orphans |= shared
-        for path in held - shared:
+        others = held_by_anybody()
+        self._orphans |= others
+        for path in held - others:
             pathlib.Path(path).unlink(missing_ok=True)
 
     def _assert_group_is_gone(self):
