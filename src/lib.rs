@@ -14,6 +14,7 @@ pub mod evaluate;
 pub mod filter;
 pub mod forecast;
 pub mod formats;
+pub mod frames;
 pub mod geometry;
 pub mod kinematics;
 pub mod learn;

@@ -9,7 +9,7 @@ use std::path::Path;
 
 /// Who may import whom: a module, its layer, and the neighbours in its own layer it builds on.
 /// Whatever stands in a lower layer is allowed.
-const LAYERS: [(&str, u32, &[&str]); 29] = [
+const LAYERS: [(&str, u32, &[&str]); 30] = [
     ("geometry", 0, &[]),
     ("time", 0, &[]),
     ("settings", 0, &[]),
@@ -23,8 +23,9 @@ const LAYERS: [(&str, u32, &[&str]); 29] = [
     ("kinematics", 1, &[]),
     ("motion", 1, &[]),
     ("messages", 1, &[]),
-    ("bodies", 2, &[]),
-    ("formats", 2, &["bodies"]),
+    ("frames", 2, &[]),
+    ("bodies", 2, &["frames"]),
+    ("formats", 2, &["bodies", "frames"]),
     ("mesh", 2, &[]),
     ("retarget", 2, &["mesh"]),
     ("demonstration", 2, &[]),

@@ -155,7 +155,9 @@ impl Broadcast {
     /// Answers whoever asks for parameters, and plays on with those that have changed.
     fn serve(&mut self, node: &Node) -> Result<()> {
         // Whatever may be set at all may be set at any time.
-        self.server.serve(node, |_| Ok(()));
+        self.server.serve(node, |_, _| Ok(()));
+        // What was set to what it was changes nothing here.
+        self.server.take_set_names();
         let changes = self.server.take_changes();
         if changes.is_empty() {
             return Ok(());

@@ -7,10 +7,9 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{Quaternion, UnitQuaternion};
-
 use super::names::joint_of_frame;
 use super::{Body, frame};
+use crate::frames::rotation;
 use crate::geometry::{Point, Vector, is_finite};
 use crate::messages::{Transform, TransformTree};
 use crate::time::{Span, Stamp};
@@ -157,12 +156,6 @@ impl Open {
         }
         Some((above, place))
     }
-}
-
-/// The rotation, if the four numbers are one.
-fn rotation(transform: &Transform) -> Option<UnitQuaternion<f64>> {
-    let q = transform.rotation;
-    UnitQuaternion::try_new(Quaternion::new(q.w, q.x, q.y, q.z), 1e-6)
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ pub use assemble::TransformAssembler;
 pub use markers::{from_markers, to_markers};
 pub use names::{FrameName, joint_of_frame, joint_of_marker};
 
+use crate::frames::bare;
 use crate::geometry::{Point, is_finite};
 use crate::messages::{
     Header, MultiDofJointState, MultiDofTrajectory, Time, Transform, TransformStamped,
@@ -111,7 +112,7 @@ fn named(header: &Header, names: &[String], places: &[Transform]) -> Result<Body
 
 /// The name of a frame without the `/` that ROS 1 put before it.
 fn frame(id: &str) -> String {
-    id.strip_prefix('/').unwrap_or(id).to_owned()
+    bare(id).to_owned()
 }
 
 fn header(body: &Body) -> Header {

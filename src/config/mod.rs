@@ -11,6 +11,7 @@
 
 mod describe;
 mod fields;
+pub mod given;
 mod node;
 mod online;
 

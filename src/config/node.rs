@@ -52,8 +52,10 @@ pub struct NodeSettings {
     /// How the node knows where the robot is.
     pub robot_state: RobotState,
     /// Where the robot's base joint is at the start, and which way it faces (along x), if
-    /// [`RobotState::Demonstrated`].
+    /// [`RobotState::Demonstrated`]; in [`Self::base_frame`].
     pub world_from_base: Isometry,
+    /// The frame that [`Self::world_from_base`] is in; empty: the world.
+    pub base_frame: String,
     /// The number of the body that is the partner; none: whoever is nearest in the start zone.
     pub partner: Option<u32>,
     /// How far from the robot's base, along the floor, a partner is taken up `[m]`.
@@ -82,6 +84,7 @@ impl Default for NodeSettings {
             world_from_sensor: Isometry::identity(),
             robot_state: RobotState::Reported,
             world_from_base: Isometry::translation(0.0, 0.0, 1.0),
+            base_frame: String::new(),
             partner: None,
             start_zone: 4.0,
             approach: 1.5,
@@ -108,6 +111,7 @@ pub(super) fn take(fields: &mut Fields, node: &mut NodeSettings) {
     let states = [("reported", RobotState::Reported), ("demonstrated", RobotState::Demonstrated)];
     fields.choice("node.robot_state", &mut node.robot_state, &states);
     pose(fields, "node.world_from_base", &mut node.world_from_base);
+    fields.free_text("node.base_frame", &mut node.base_frame);
     fields.take(
         "node.partner",
         Kind::Whole { low: -1, high: i64::from(i32::MAX) },

@@ -21,8 +21,9 @@ impl Choice {
 
     /// The partner's newest body, if it is among those given.
     ///
-    /// Whoever is the partner stays it until not seen for `forget` seconds; then it is whoever is
-    /// nearest to the robot's base along the floor, within the start zone.
+    /// Whoever is the partner stays it until not [confirmed](Self::confirm) for `forget` seconds, or
+    /// until the clock is set back; then it is whoever is nearest to the robot's base along the
+    /// floor, within the start zone.
     ///
     /// - `bodies`: with `world_from_body`, the newest last.
     /// - `base`: the joint that a body's place is known by; without it, it is the joints' mean.
@@ -42,7 +43,8 @@ impl Choice {
             });
             return bodies.iter().rev().find(|(body, _)| body.id == Some(wanted)).copied();
         }
-        if self.current.is_some_and(|(_, seen)| (now - seen).seconds() > forget) {
+        let age = |seen: Stamp| (now - seen).seconds();
+        if self.current.is_some_and(|(_, seen)| !(0.0..=forget).contains(&age(seen))) {
             self.current = None;
         }
         if self.current.is_none() {
@@ -55,12 +57,15 @@ impl Choice {
             let nearest = bodies.iter().filter_map(away).min_by(|a, b| a.0.total_cmp(&b.0));
             self.current = nearest.map(|(_, id)| (id, now));
         }
-        let (id, seen) = self.current.as_mut()?;
-        let chosen = bodies.iter().rev().find(|(body, _)| body.id == *id).copied();
-        if chosen.is_some() {
+        let (id, _) = self.current?;
+        bodies.iter().rev().find(|(body, _)| body.id == id).copied()
+    }
+
+    /// What was seen of the partner was taken.
+    pub(super) fn confirm(&mut self, now: Stamp) {
+        if let Some((_, seen)) = &mut self.current {
             *seen = now;
         }
-        chosen
     }
 }
 
@@ -90,7 +95,12 @@ mod tests {
             let bodies: Vec<_> = bodies.iter().map(|b| (b, Isometry::identity())).collect();
             let now = Stamp::from_seconds(seconds).unwrap();
             let robot = Some(Point::new(0.0, 0.0, 1.0));
-            choice.choose(now, &bodies, "torso", robot, &node, 2.0).map(|(body, _)| body.id)
+            let chosen =
+                choice.choose(now, &bodies, "torso", robot, &node, 2.0).map(|(body, _)| body.id);
+            if chosen.is_some() {
+                choice.confirm(now);
+            }
+            chosen
         };
         assert_eq!(chosen(0.0, &[body(7, 9.0)]), None, "out of the zone");
         assert_eq!(chosen(0.1, &[body(7, 3.0), body(2, -2.0)]), Some(Some(2)));
@@ -98,6 +108,23 @@ mod tests {
         assert_eq!(chosen(2.1, &[body(7, 0.5)]), None, "not yet forgotten");
         assert_eq!(chosen(2.3, &[body(7, 0.5)]), Some(Some(7)));
         assert_eq!(chosen(2.4, &[]), None);
+        // A clock that is set back begins anew.
+        assert_eq!(chosen(0.5, &[body(3, 1.0)]), Some(Some(3)));
+    }
+
+    #[test]
+    fn whoever_is_never_taken_is_forgotten() {
+        let (mut choice, node) = (Choice::default(), NodeSettings::default());
+        let (ghost, person) = (body(1, 0.5), body(2, 1.0));
+        let mut chosen = |seconds: f64, body: &Body| {
+            let now = Stamp::from_seconds(seconds).unwrap();
+            let bodies = [(body, Isometry::identity())];
+            let robot = Some(Point::new(0.0, 0.0, 1.0));
+            choice.choose(now, &bodies, "torso", robot, &node, 2.0).map(|(body, _)| body.id)
+        };
+        assert_eq!(chosen(0.0, &ghost), Some(Some(1)));
+        assert_eq!(chosen(1.0, &person), None);
+        assert_eq!(chosen(2.1, &person), Some(Some(2)));
     }
 
     #[test]

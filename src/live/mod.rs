@@ -18,22 +18,25 @@ use std::sync::Arc;
 use crate::bodies::Body;
 use crate::config::{NodeSettings, RobotState};
 use crate::filter::Sighting;
-use crate::geometry::{Point, Vector};
-use crate::messages::{PoseStamped, TransformTree};
+use crate::frames::FrameTree;
+use crate::geometry::{Point, Vector, is_finite};
+use crate::messages::PoseStamped;
 use crate::online::{OnlineError, OnlineModel, TickInput};
 use crate::safety::HoldReason;
 use crate::time::Stamp;
 use crate::track::Who;
 use choice::Choice;
-pub use frames::{Frames, UnknownFrame};
+use frames::Frames;
+pub use frames::UnknownFrame;
 pub use outputs::Outputs;
 use outputs::{Report, Throttle};
 use rest::Rest;
 use robot::Robot;
 pub use state::HandoverState;
-use state::{Hands, Progress};
+use state::{HandTarget, Hands, Progress};
 
-/// What came in since the last tick; of each kind the newest, in the order in which it came.
+/// What came in since the last tick, of each kind the newest, in the order in which it came; and how
+/// frames lie to each other, as far as anybody ever said.
 #[derive(Debug, Clone, Default)]
 pub struct Inputs {
     /// Whoever is seen: the partner is chosen among them.
@@ -42,8 +45,8 @@ pub struct Inputs {
     pub robot: Option<Body>,
     /// Where the object is.
     pub object: Option<PoseStamped>,
-    /// Edges of the tree of frames.
-    pub transforms: Vec<TransformTree>,
+    /// The tree of frames: it outlives any robot that ticks.
+    pub frames: FrameTree,
     /// What came in and could not be read, and why.
     pub refused: Option<String>,
 }
@@ -56,8 +59,9 @@ pub struct Live {
     frames: Frames,
     choice: Choice,
     robot: Robot,
+    rest: Rest,
     progress: Progress,
-    /// The newest object's place `[m]` in the world, and of when.
+    /// The newest object's place `[m]` in the world, and when it was heard of.
     object: Option<(Stamp, Point)>,
     /// The sighting's joints `[m]`: room.
     seen: Vec<Point>,
@@ -79,15 +83,13 @@ impl Live {
         Robot::pipeline(&model, &rest.bone_lengths, node.edges)?;
         let robot = match node.robot_state {
             RobotState::Reported => Robot::unknown(&model, node.edges),
-            RobotState::Demonstrated => {
-                let pose = rest.placed(&node.world_from_base);
-                Robot::at(&model, node.edges, pose, &rest.bone_lengths)?
-            }
+            RobotState::Demonstrated => Robot::told(&model, node.edges, &rest.bone_lengths)?,
         };
         Ok(Self {
             frames: Frames::new(&node),
             choice: Choice::default(),
             robot,
+            rest,
             progress: Progress::default(),
             object: None,
             seen: vec![Point::from(Vector::repeat(f64::NAN)); joints],
@@ -139,17 +141,28 @@ impl Live {
         self.refused = None;
     }
 
+    /// Where a robot that only does as it is told will stand if nothing more is said, and from when
+    /// on; none before it was told anything, and of a robot that reports.
+    pub fn standstill(&self) -> Option<(Vec<Point>, Stamp)> {
+        self.robot.standstill()
+    }
+
+    /// A robot that only does as it is told, begins where it stands, not as demonstrated.
+    ///
+    /// - `pose`: the joints `[m]` in the world, as [`Self::standstill`] has them; of another number
+    ///   of joints it is not taken.
+    pub fn begin_at(&mut self, pose: &[Point]) {
+        self.robot.place(pose);
+    }
+
     /// One tick: what is to be sent.
     ///
     /// - `now`: the instant of the tick, on the clock of the messages' stamps.
     /// - `took`: how long the last tick took `[us]`, if that is known.
     pub fn tick(&mut self, now: Stamp, inputs: &Inputs, took: Option<f64>) -> Outputs {
-        for tree in &inputs.transforms {
-            self.frames.take(tree);
-        }
-        self.take_robot(now, inputs.robot.as_ref());
-        self.take_object(now, inputs.object.as_ref());
-        let chosen = self.choose(now, &inputs.bodies);
+        self.place_robot(now, inputs);
+        self.take_object(now, inputs);
+        let chosen = self.choose(now, inputs);
         if let Some(reason) = &inputs.refused {
             self.refuse(now, reason.clone());
         }
@@ -166,9 +179,15 @@ impl Live {
             pipeline.cancel();
         }
         self.refused.take_if(|(then, _)| (now - *then).seconds().abs() > Self::REFUSED_FOR);
+        let robot_age = self.robot.age(now);
         let tick = self.robot.tick(&TickInput { now, sighting, robot: None });
+        if tick.as_ref().is_some_and(|tick| tick.filter.partner().is_ok_and(|p| p.is_fresh())) {
+            self.choice.confirm(now);
+        }
         let hands = Hands::of(&self.model, tick.as_ref());
-        let object = self.object.filter(|(stamp, _)| (now - *stamp).seconds() <= Self::OBJECT_FOR);
+        let hand = HandTarget::of(&self.model, tick.as_ref());
+        let is_there = |heard: Stamp| (now - heard).seconds().abs() <= Self::OBJECT_FOR;
+        let object = self.object.filter(|(heard, _)| is_there(*heard));
         let reason = tick.as_ref().map_or(Some(HoldReason::NoRobot), |tick| tick.reason);
         let object = object.map(|(_, place)| place);
         let state = self.progress.update(reason, hands.as_ref(), object, &self.node);
@@ -176,7 +195,9 @@ impl Live {
             now,
             state,
             hands,
+            hand,
             body: self.choice.current(),
+            robot_age,
             refused: self.refused.as_ref().map(|(_, reason)| reason.as_str()),
             took,
         };
@@ -189,15 +210,33 @@ impl Live {
     /// An object not heard of for this long `[s]` is where it is no more.
     const OBJECT_FOR: f64 = 0.5;
 
-    fn take_robot(&mut self, now: Stamp, body: Option<&Body>) {
-        let Some(body) = body else { return };
+    /// Takes in what the robot says; one that says nothing is put where it begins.
+    fn place_robot(&mut self, now: Stamp, inputs: &Inputs) {
         if self.node.robot_state == RobotState::Demonstrated {
-            return self.refuse(now, "robot_skeleton: node.robot_state is demonstrated".to_owned());
+            if !self.robot.is_placed() {
+                let base = self.frames.world_from(&self.node.base_frame, &inputs.frames, now);
+                match base {
+                    Ok(world_from_frame) => {
+                        let base = world_from_frame * self.node.world_from_base;
+                        self.robot.place(&self.rest.placed(&base));
+                    }
+                    Err(unknown) => self.refuse(now, format!("node.base_frame: {unknown}")),
+                }
+            }
+            if inputs.robot.is_some() {
+                let reason = "robot_skeleton: node.robot_state is demonstrated";
+                self.refuse(now, reason.to_owned());
+            }
+            return;
         }
-        match self.frames.world_from(&body.frame) {
+        let Some(body) = &inputs.robot else { return };
+        if let Some(reason) = self.untimely(now, body.stamp) {
+            return self.refuse(now, format!("robot_skeleton: {reason}"));
+        }
+        match self.frames.world_from(&body.frame, &inputs.frames, now) {
             Ok(world_from_body) => {
                 let place = |name: &str| body.place(name).map(|place| world_from_body * place);
-                if let Err(problem) = self.robot.report(place) {
+                if let Err(problem) = self.robot.report(now, place) {
                     self.refuse(now, format!("robot_skeleton: {problem}"));
                 }
             }
@@ -205,26 +244,40 @@ impl Live {
         }
     }
 
-    fn take_object(&mut self, now: Stamp, object: Option<&PoseStamped>) {
-        let Some(object) = object else { return };
-        match self.frames.world_from(&object.header.frame_id) {
+    fn take_object(&mut self, now: Stamp, inputs: &Inputs) {
+        let Some(object) = &inputs.object else { return };
+        if let Some(reason) = self.untimely(now, object.header.stamp.stamp()) {
+            return self.refuse(now, format!("object_pose: {reason}"));
+        }
+        match self.frames.world_from(&object.header.frame_id, &inputs.frames, now) {
             Ok(world_from_object) => {
-                let stamp = or_now(object.header.stamp.stamp(), now);
                 let place = world_from_object * Point::from(object.pose.position);
-                self.object = Some((stamp, place)).filter(|(_, p)| crate::geometry::is_finite(p));
+                self.object = Some((now, place)).filter(|(_, place)| is_finite(place));
             }
             Err(unknown) => self.refuse(now, format!("object_pose: {unknown}")),
         }
     }
 
+    /// Why a message of that stamp is not one of now, if it is not.
+    fn untimely(&self, now: Stamp, stamp: Stamp) -> Option<String> {
+        let tolerance = self.model.settings().filter.clock_tolerance;
+        let age = (now - or_now(stamp, now)).seconds();
+        (age.abs() > tolerance).then(|| {
+            format!("its stamp is {age:.3} s old, not within {tolerance} (filter.clock_tolerance)")
+        })
+    }
+
     /// Fills `seen` with the partner's joints, if the partner is among the bodies.
-    fn choose(&mut self, now: Stamp, bodies: &[Body]) -> Option<(Stamp, Option<u32>)> {
+    fn choose(&mut self, now: Stamp, inputs: &Inputs) -> Option<(Stamp, Option<u32>)> {
         let library = self.model.library();
         let (skeleton, base) = (library.skeleton(Who::Partner), library.base(Who::Partner));
         let forget = self.model.settings().filter.forget;
-        let (mut candidates, mut refused) = (Vec::with_capacity(bodies.len()), None);
-        for body in bodies {
-            match self.frames.world_from(&body.frame) {
+        let (mut candidates, mut refused) = (Vec::with_capacity(inputs.bodies.len()), None);
+        for body in &inputs.bodies {
+            match self.frames.world_from(&body.frame, &inputs.frames, now) {
+                _ if self.untimely(now, body.stamp).is_some() => {
+                    refused = self.untimely(now, body.stamp).map(|why| format!("skeleton: {why}"));
+                }
                 Ok(world_from_body) => candidates.push((body, world_from_body)),
                 Err(unknown) => refused = Some(format!("skeleton: {unknown}")),
             }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::geometry::Point;
 use crate::online::{OnlineError, OnlineModel, Pipeline, Tick, TickInput};
 use crate::skeleton::Skeleton;
+use crate::time::Stamp;
 use crate::track::Who;
 
 /// Why the robot's joints are not known.
@@ -29,27 +30,57 @@ pub(super) struct Robot {
     pose: Vec<Point>,
     /// Whether the pose is what the robot says, or what it was told.
     is_reported: bool,
+    /// When it was said last.
+    heard: Option<Stamp>,
+    /// Where it will stand if nothing more is said `[m]`, and from when on.
+    standstill: Option<(Vec<Point>, Stamp)>,
 }
 
 impl Robot {
+    /// What is reported holds for so long without another report, where the robot has to be known
+    /// anew `[s]`.
+    const FRESH: f64 = 0.2;
+
     /// One that is still to say where it is.
     pub(super) fn unknown(model: &Arc<OnlineModel>, edges: bool) -> Self {
-        let model = model.clone();
-        Self { model, edges, pipeline: None, pose: Vec::new(), is_reported: true }
+        let (model, pose) = (model.clone(), Vec::new());
+        let (pipeline, heard, standstill) = (None, None, None);
+        Self { model, edges, pipeline, pose, is_reported: true, heard, standstill }
     }
 
-    /// One that is where it is said to be, and from then on where it is told to be.
+    /// One that is to be [placed](Self::place), and from then on is where it is told to be.
     ///
     /// # Errors
     /// [`OnlineError`] on bones out of range.
-    pub(super) fn at(
+    pub(super) fn told(
         model: &Arc<OnlineModel>,
         edges: bool,
-        pose: Vec<Point>,
         bone_lengths: &[f64],
     ) -> Result<Self, OnlineError> {
         let pipeline = Some(Self::pipeline(model, bone_lengths, edges)?);
-        Ok(Self { model: model.clone(), edges, pipeline, pose, is_reported: false })
+        Ok(Self { pipeline, is_reported: false, ..Self::unknown(model, edges) })
+    }
+
+    /// Puts it somewhere: `[m]` in the world, one place for each joint; any other number is not
+    /// taken, nor what a robot that reports is told.
+    pub(super) fn place(&mut self, pose: &[Point]) {
+        if !self.is_reported && pose.len() == self.model.library().skeleton(Who::Robot).len() {
+            self.pose = pose.to_vec();
+        }
+    }
+
+    /// Whether anybody has said where it is.
+    pub(super) fn is_placed(&self) -> bool {
+        !self.pose.is_empty()
+    }
+
+    /// How long ago it said where it is `[s]`.
+    pub(super) fn age(&self, now: Stamp) -> Option<f64> {
+        self.heard.map(|heard| (now - heard).seconds())
+    }
+
+    pub(super) fn standstill(&self) -> Option<(Vec<Point>, Stamp)> {
+        self.standstill.clone()
     }
 
     /// Room for a robot of such bones.
@@ -79,6 +110,7 @@ impl Robot {
     /// [`ReportError`] if the first report lacks a joint; later ones may.
     pub(super) fn report(
         &mut self,
+        now: Stamp,
         place: impl Fn(&str) -> Option<Point>,
     ) -> Result<(), ReportError> {
         let skeleton: Arc<Skeleton> = self.model.library().skeleton(Who::Robot).clone();
@@ -104,6 +136,7 @@ impl Robot {
             self.pipeline = Some(Self::pipeline(&self.model, &lengths, self.edges)?);
         }
         self.pose = pose;
+        self.heard = Some(now);
         Ok(())
     }
 
@@ -114,6 +147,7 @@ impl Robot {
         }
         if self.is_reported {
             self.pose.clear();
+            self.heard = None;
         }
     }
 
@@ -121,11 +155,21 @@ impl Robot {
     ///
     /// - `input`: without the robot.
     pub(super) fn tick(&mut self, input: &TickInput<'_>) -> Option<Tick<'_>> {
-        let Self { pipeline, pose, is_reported, .. } = self;
-        let robot = Some(pose.as_slice()).filter(|pose| !pose.is_empty());
+        let Self { pipeline, pose, is_reported, heard, standstill, .. } = self;
+        let now = input.now;
+        // An old report is no place to begin at, and a base that was known stays known without it.
+        let is_known = if *is_reported {
+            heard.is_some_and(|heard| (now - heard).seconds().abs() <= Self::FRESH)
+        } else {
+            !pose.is_empty()
+        };
+        let robot = is_known.then_some(pose.as_slice());
         let tick = pipeline.as_mut()?.tick(&TickInput { robot, ..*input });
         if let Some(target) = tick.target.filter(|_| !*is_reported) {
             pose.copy_from_slice(target.positions());
+            let mut stand = standstill.take().map_or_else(|| pose.clone(), |(stand, _)| stand);
+            target.positions_at(target.stands_in(), &mut stand);
+            *standstill = Some((stand, now + target.stands_in()));
         }
         Some(tick)
     }

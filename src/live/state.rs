@@ -48,13 +48,32 @@ impl fmt::Display for HandoverState {
     }
 }
 
+/// Where the robot's hand is to be, whoever is there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct HandTarget {
+    /// `[m]` in the world.
+    pub(super) place: Point,
+    /// From its elbow to it, if it has one `[m]`.
+    pub(super) forearm: Option<Vector>,
+}
+
+impl HandTarget {
+    /// Of the hand that meets or last met somebody's; none if the skeleton has no such hand.
+    pub(super) fn of(model: &OnlineModel, tick: Option<&Tick<'_>>) -> Option<Self> {
+        let tick = tick?;
+        let (places, side) = (tick.target?.positions(), tick.belief.hands.robot);
+        let skeleton = model.library().skeleton(Who::Robot);
+        let place = places[skeleton.part(Part::Hand(side))?.index()];
+        let elbow = skeleton.part(Part::Elbow(side));
+        Some(Self { place, forearm: elbow.map(|elbow| place - places[elbow.index()]) })
+    }
+}
+
 /// The hands that will meet.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Hands {
     /// Where the robot's is to be now `[m]`.
     pub(super) robot: Point,
-    /// From its elbow to it, if it has one `[m]`.
-    pub(super) forearm: Option<Vector>,
     /// Where the partner's is now `[m]`.
     pub(super) partner: Point,
     /// How long until they meet `[s]`, below 0 once they have.
@@ -74,7 +93,6 @@ impl Hands {
         let belief = Some(tick.belief).filter(|belief| !belief.followed.is_empty())?;
         let [own, other] = [Who::Robot, Who::Partner].map(|who| library.skeleton(who));
         let hand = own.part(Part::Hand(belief.hands.robot))?;
-        let elbow = own.part(Part::Elbow(belief.hands.robot));
         let partner_hand = other.part(Part::Hand(belief.hands.partner))?;
         let robot = target.positions()[hand.index()];
         let gap_in_heading = model.gap(belief.hands);
@@ -82,7 +100,6 @@ impl Hands {
         let partner = partner[partner_hand.index()];
         Some(Self {
             robot,
-            forearm: elbow.map(|elbow| robot - target.positions()[elbow.index()]),
             partner,
             contact_in: belief.contact * library.step().seconds(),
             gap_error: (robot - partner - world_from_heading * gap_in_heading).norm(),
@@ -158,7 +175,7 @@ mod tests {
 
     fn hands(contact_in: f64, gap_error: f64) -> Hands {
         let [robot, partner] = [Point::origin(), Point::new(0.1, 0.0, 0.0)];
-        Hands { robot, partner, forearm: None, contact_in, gap_error, gap: 0.1 }
+        Hands { robot, partner, contact_in, gap_error, gap: 0.1 }
     }
 
     #[test]

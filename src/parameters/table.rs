@@ -19,7 +19,7 @@ pub struct Listed {
 /// let mut table = ParameterTable::new(vec![speed]);
 /// table.start([("speed".to_owned(), 2.into())])?;
 /// assert_eq!(table.number("speed"), 2.0);
-/// let refused = table.set(&[("speed".to_owned(), 0.0.into())], |_| Ok(())).unwrap_err();
+/// let refused = table.set(&[("speed".to_owned(), 0.0.into())], |_, _| Ok(())).unwrap_err();
 /// assert_eq!(refused.to_string(), "speed is 0.0, must be a number from 0.01 to 100");
 /// # Ok::<(), handover_mesh::parameters::Refusals>(())
 /// ```
@@ -125,7 +125,8 @@ impl ParameterTable {
 
     /// Changes some parameters together, or none of them.
     ///
-    /// - `may_set`: asked at last, with the values as they will be; what it says is the reason.
+    /// - `may_set`: asked at last, with the table as it is and the values as they will be; what it says
+    ///   is the reason.
     ///
     /// Returns what has changed, without what was so before.
     ///
@@ -134,7 +135,7 @@ impl ParameterTable {
     pub fn set(
         &mut self,
         changes: &[(String, ParameterValue)],
-        may_set: impl FnOnce(&[(String, ParameterValue)]) -> Result<(), String>,
+        may_set: impl FnOnce(&Self, &[(String, ParameterValue)]) -> Result<(), String>,
     ) -> Result<Vec<(String, ParameterValue)>, Refusal> {
         let accept = |(name, value): &(String, ParameterValue)| {
             let parameter = self.known(name)?;
@@ -149,7 +150,7 @@ impl ParameterTable {
         let mut accepted: Vec<_> = changes.iter().map(accept).collect::<Result<_, _>>()?;
         accepted.retain(|(name, value)| self.value(name) != value);
         if !accepted.is_empty() {
-            may_set(&accepted).map_err(Refusal::Owner)?;
+            may_set(self, &accepted).map_err(Refusal::Owner)?;
         }
         self.take(&accepted);
         Ok(accepted)
@@ -250,26 +251,26 @@ mod tests {
     fn changes_come_together_or_not_at_all() {
         let mut table = table();
         let read_only = given(&[("loop", true.into()), ("sensor.rate", 15.0.into())]);
-        let refusal = table.set(&read_only, |_| Ok(())).unwrap_err().to_string();
+        let refusal = table.set(&read_only, |_, _| Ok(())).unwrap_err().to_string();
         let expected = "sensor.rate cannot be changed while the node runs: the sensor is made at \
             the start";
         assert_eq!((refusal.as_str(), table.is_true("loop")), (expected, false));
         let both = given(&[("loop", true.into()), ("speed", 2.into())]);
-        let refusal = table.set(&both, |_| Err("not while active".to_owned())).unwrap_err();
+        let refusal = table.set(&both, |_, _| Err("not while active".to_owned())).unwrap_err();
         assert_eq!(
             (refusal.to_string().as_str(), table.number("speed")),
             ("not while active", 1.0)
         );
         let changed = given(&[("loop", true.into()), ("speed", 2.0.into())]);
-        let asked = |asked: &[(String, ParameterValue)]| {
+        let asked = |_: &_, asked: &[(String, ParameterValue)]| {
             assert_eq!(asked, changed);
             Ok(())
         };
         assert_eq!(table.set(&both, asked), Ok(changed.clone()));
-        let nobody = |_: &[_]| panic!("nothing changes");
+        let nobody = |_: &_, _: &[_]| panic!("nothing changes");
         assert_eq!(table.set(&both, nobody), Ok(Vec::new()));
         let removed = given(&[("speed", ParameterValue::NotSet)]);
-        let refusal = table.set(&removed, |_| Ok(())).unwrap_err();
+        let refusal = table.set(&removed, |_, _| Ok(())).unwrap_err();
         assert_eq!(refusal.to_string(), "speed cannot be removed");
     }
 

@@ -5,6 +5,7 @@ use crossbeam_queue::ArrayQueue;
 use crate::bodies::Body;
 use crate::live::Inputs;
 use crate::messages::{PoseStamped, TransformTree};
+use crate::time::Stamp;
 
 /// What came in since the last tick. What is full gives up its oldest.
 #[derive(Debug)]
@@ -12,7 +13,9 @@ pub(super) struct Inbox {
     bodies: ArrayQueue<Body>,
     robot: ArrayQueue<Body>,
     object: ArrayQueue<PoseStamped>,
-    transforms: ArrayQueue<TransformTree>,
+    moving: ArrayQueue<TransformTree>,
+    /// Said once and kept: they must not give way to those that move.
+    fixed: ArrayQueue<TransformTree>,
     refused: ArrayQueue<String>,
 }
 
@@ -22,7 +25,8 @@ impl Default for Inbox {
             bodies: ArrayQueue::new(16),
             robot: ArrayQueue::new(1),
             object: ArrayQueue::new(1),
-            transforms: ArrayQueue::new(64),
+            moving: ArrayQueue::new(64),
+            fixed: ArrayQueue::new(256),
             refused: ArrayQueue::new(1),
         }
     }
@@ -41,8 +45,9 @@ impl Inbox {
         self.object.force_push(pose);
     }
 
-    pub(super) fn transforms(&self, tree: TransformTree) {
-        self.transforms.force_push(tree);
+    pub(super) fn transforms(&self, tree: TransformTree, is_fixed: bool) {
+        let queue = if is_fixed { &self.fixed } else { &self.moving };
+        queue.force_push(tree);
     }
 
     pub(super) fn refuse(&self, reason: String) {
@@ -54,15 +59,19 @@ impl Inbox {
         !self.bodies.is_empty()
     }
 
-    /// Takes all there is.
-    pub(super) fn take(&self, inputs: &mut Inputs) {
+    /// Takes all there is at `now`; frames are added to those that are known.
+    pub(super) fn take(&self, inputs: &mut Inputs, now: Stamp) {
         inputs.bodies.clear();
-        inputs.bodies.extend(std::iter::from_fn(|| self.bodies.pop()).take(self.bodies.capacity()));
-        inputs.transforms.clear();
-        let trees = std::iter::from_fn(|| self.transforms.pop());
-        inputs.transforms.extend(trees.take(self.transforms.capacity()));
+        inputs.bodies.extend(drain(&self.bodies));
+        drain(&self.fixed).for_each(|tree| inputs.frames.fix(&tree));
+        drain(&self.moving).for_each(|tree| inputs.frames.take(&tree, now));
         inputs.robot = self.robot.pop();
         inputs.object = self.object.pop();
         inputs.refused = self.refused.pop();
     }
+}
+
+/// No more than there can be at once: somebody may be filling it.
+fn drain<T>(queue: &ArrayQueue<T>) -> impl Iterator<Item = T> + '_ {
+    std::iter::from_fn(|| queue.pop()).take(queue.capacity())
 }

@@ -1,6 +1,5 @@
 //! The handover node: its life, its parameters, what it hears.
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 use std::process::ExitCode;
@@ -9,41 +8,26 @@ use std::time::Duration;
 
 use anyhow::{Context as _, Result, anyhow, bail};
 use r2r::Node;
-use serde_json::{Value, json};
 
 use super::context::{ArgumentsError, context};
 use super::inbox::Inbox;
 use super::lifecycle::LifecycleServer;
-use super::parameters::{ParameterServer, ParameterServerError};
+use super::parameters::{ParameterServer, ParameterServerError, started_with};
 use super::shell::{RosClock, Stop};
 use super::subscriptions::Subscriptions;
 use super::ticker::{Command, Publishers, Ticker, Ticking};
 use super::triggers::{Asked, Triggers};
-use crate::config::{Config, ConfigError, Kind, NodeSettings};
+use crate::config::given::{Given, declared, differences};
+use crate::config::{Change, ConfigError, NodeSettings};
 use crate::lifecycle::{Outcome, State, Step};
 use crate::live::Live;
 use crate::model::Model;
 use crate::online::OnlineModel;
-use crate::parameters::{Parameter, ParameterValue};
 use crate::predict::Predictor;
 use crate::time::Span;
 
 /// The node's name, if nothing else is said.
 const NAME: &str = "handover";
-
-/// What may change at any time.
-const ALWAYS: [&str; 6] = [
-    "node.partner",
-    "node.start_zone",
-    "node.approach",
-    "node.contact_distance",
-    "node.markers_rate",
-    "node.diagnostics_rate",
-];
-
-/// Sections of parameters that a model was learned with and that the tick reads.
-const OF_THE_TICK: [&str; 6] =
-    ["robot.", "observation.", "reference.", "mesh.", "retarget.", "forecast."];
 
 /// How long the node waits for something to do: as long as it takes to notice that it is to end.
 const IDLE: Duration = Duration::from_millis(20);
@@ -56,8 +40,7 @@ pub fn run() -> ExitCode {
         let stop = Stop::on_signals()?;
         let mut node = Node::create(context()?, NAME, "")?;
         let mut handover = Handover::new(&mut node)?;
-        handover.spin(&mut node, &stop);
-        Ok(())
+        handover.spin(&mut node, &stop)
     };
     let Err(error) = run() else { return ExitCode::SUCCESS };
     r2r::log_error!(NAME, "{error:#}");
@@ -73,7 +56,7 @@ struct Handover {
     logger: String,
     parameters: ParameterServer,
     /// What was given at the start or set since: all else is the model's.
-    given: BTreeSet<String>,
+    given: Given,
     lifecycle: LifecycleServer,
     triggers: Triggers,
     subscriptions: Subscriptions,
@@ -92,12 +75,9 @@ struct Configured {
 impl Handover {
     fn new(node: &mut Node) -> Result<Self> {
         let logger = node.logger().to_owned();
-        let given: BTreeSet<String> = {
-            let given = node.params.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-            given.keys().cloned().collect()
-        };
-        let parameters = ParameterServer::new(node, declared()?)?;
-        let settings = settings(&parameters, &given)?.1;
+        let given = Given::new(started_with(node).into_iter().map(|(name, _)| name));
+        let parameters = ParameterServer::new(node, declared())?;
+        let settings = given.node(parameters.table())?;
         let inbox = Arc::new(Inbox::default());
         let subscriptions = Subscriptions::new(node, settings.source)?;
         let publishers = Publishers::new(node)?;
@@ -131,14 +111,18 @@ impl Handover {
         Ok(handover)
     }
 
-    fn spin(&mut self, node: &mut Node, stop: &Stop) {
+    fn spin(&mut self, node: &mut Node, stop: &Stop) -> Result<()> {
         while !stop.is_set() && self.lifecycle.state() != State::Finalized {
             node.spin_once(IDLE);
+            if self.ticker.is_dead() {
+                bail!("the ticking thread has ended by a bug: see above");
+            }
             if self.subscriptions.drain(&self.inbox, &self.logger) {
                 self.ticker.wake();
             }
             self.serve(node);
         }
+        Ok(())
     }
 
     fn serve(&mut self, node: &Node) {
@@ -167,34 +151,20 @@ impl Handover {
     }
 
     fn serve_parameters(&mut self, node: &Node) {
-        let state = self.lifecycle.state();
-        let (logger, given) = (&self.logger, &self.given);
-        let table = self.parameters.table().clone();
-        self.parameters.serve(node, |changes| {
-            let fixed = changes.iter().find(|(name, _)| !ALWAYS.contains(&name.as_str()));
-            if let Some((name, _)) = fixed.filter(|_| state != State::Unconfigured) {
-                return Err(format!(
-                    "{name} cannot change while the node is {}: it is read when the node is \
-                     configured (hint: clean it up first)",
-                    state.label()
-                ));
-            }
-            // Also what only together is wrong.
-            let mut values = values(&table, given);
-            values.extend(changes.iter().map(|(name, value)| (name.clone(), to_json(value))));
-            let defaults = (Config::default(), NodeSettings::default());
-            defaults.0.with_values(&defaults.1, values).map(|_| ()).map_err(|e| e.to_string())
-        });
+        let is_configured = self.lifecycle.state() != State::Unconfigured;
+        self.parameters.serve(node, |table, changes| Given::may_set(table, changes, is_configured));
+        for name in self.parameters.take_set_names() {
+            self.given.add(&name);
+        }
         let changes = self.parameters.take_changes();
         if changes.is_empty() {
             return;
         }
         for (name, value) in changes {
-            r2r::log_info!(logger, "{name} is now {value}");
-            self.given.insert(name);
+            r2r::log_info!(&self.logger, "{name} is now {value}");
         }
-        if let (Some(configured), Ok((_, settings))) =
-            (&mut self.configured, settings(&self.parameters, &self.given))
+        if let (Some(configured), Ok(settings)) =
+            (&mut self.configured, self.given.node(self.parameters.table()))
         {
             configured.node = settings.clone();
             self.ticker.tell(Command::Set(Box::new(settings)));
@@ -209,8 +179,9 @@ impl Handover {
             Step::Activate => self.activate(),
             Step::Deactivate | Step::CleanUp | Step::ShutDown => {
                 // What was published last ends in a standstill: nothing is left to be said.
-                self.ticker.tell(Command::Stop);
+                self.ticker.stop();
                 if step != Step::Deactivate {
+                    self.ticker.tell(Command::Forget);
                     self.configured = None;
                 }
                 Ok(())
@@ -230,7 +201,7 @@ impl Handover {
 
     /// Loads the model, and lays what was given over its parameters.
     fn configure(&mut self, node: &Node) -> Result<()> {
-        let (_, settings) = settings(&self.parameters, &self.given)?;
+        let settings = self.given.node(self.parameters.table())?;
         if settings.model.is_empty() {
             bail!("node.model is not set (hint: -p node.model:=MODEL.safetensors)");
         }
@@ -242,7 +213,13 @@ impl Handover {
         if !settings.role.is_empty() && settings.role != role {
             bail!("node.role is {}, but the robot of {shown} is {role}", settings.role);
         }
-        let config = self.over_model(model.config())?;
+        let (config, differing) = self.given.over(model.config(), self.parameters.table())?;
+        for Change { key, value, default } in differing {
+            r2r::log_warn!(
+                &self.logger,
+                "{key} is {default}, with which the model was learned; {value} counts for nothing"
+            );
+        }
         let predictor = Predictor::fit(model.demonstrations().to_vec(), config.predict.clone());
         let predictor = predictor.with_context(|| shown.to_string())?;
         let predictor = predictor.with_edges(model.edges().clone());
@@ -250,38 +227,13 @@ impl Handover {
         let online = Arc::new(online.with_context(|| shown.to_string())?);
         // What cannot be ticked with is said now, not when the node is made active.
         Live::new(online.clone(), settings.clone()).with_context(|| shown.to_string())?;
-        for (name, value) in config.values() {
-            let kind = self.parameters.table().value(&name).clone();
-            let value = to_value(&value, &kind);
-            if value != kind {
-                self.parameters.put(node, &name, value)?;
-            }
+        for (name, value) in differences(&config, self.parameters.table()) {
+            self.parameters.put(node, &name, value)?;
         }
         let count = model.demonstrations().len();
         r2r::log_info!(&self.logger, "{shown}: the robot is {role}, {count} demonstrations");
         self.configured = Some(Configured { model: online, node: settings });
         Ok(())
-    }
-
-    /// The model's parameters, with those given over them that are the robot's.
-    fn over_model(&self, model: &Config) -> Result<Config> {
-        let given = values(self.parameters.table(), &self.given);
-        let (robots, models): (Vec<_>, Vec<_>) =
-            given.into_iter().partition(|(key, _)| Config::is_of_the_robot(key));
-        let node = NodeSettings::default();
-        let models = models.into_iter().filter(|(key, _)| !key.starts_with("node."));
-        let changes = model.with_values(&node, models)?.2;
-        let counts = |key: &str| OF_THE_TICK.iter().any(|section| key.starts_with(section));
-        for change in changes.iter().filter(|change| counts(&change.key)) {
-            r2r::log_warn!(
-                &self.logger,
-                "{} is {}, with which the model was learned; {} counts for nothing",
-                change.key,
-                change.default,
-                change.value
-            );
-        }
-        Ok(model.with_values(&node, robots)?.0)
     }
 
     fn activate(&mut self) -> Result<()> {
@@ -293,90 +245,4 @@ impl Handover {
         self.ticker.tell(Command::Start(Box::new(live), period));
         Ok(())
     }
-}
-
-/// Every parameter as the graph sees it.
-fn declared() -> Result<Vec<Parameter>> {
-    let parameters = Config::default().parameters(&NodeSettings::default());
-    parameters.into_iter().map(parameter).collect()
-}
-
-fn parameter(from: crate::config::Parameter) -> Result<Parameter> {
-    let crate::config::Parameter { key, kind, value, description } = from;
-    let empty = match &kind {
-        Kind::Flag => ParameterValue::Bool(false),
-        Kind::Real { .. } => ParameterValue::Double(0.0),
-        Kind::Whole { .. } => ParameterValue::Integer(0),
-        Kind::Text | Kind::Choice(_) => ParameterValue::Text(String::new()),
-        Kind::Reals => ParameterValue::Doubles(Vec::new()),
-        Kind::Texts => ParameterValue::Texts(Vec::new()),
-    };
-    let declared = Parameter::new(key.clone(), to_value(&value, &empty), description);
-    let declared = match kind {
-        Kind::Real { low, high } => declared.numbers(low, high),
-        Kind::Whole { low, high } => declared.whole(low, high),
-        Kind::Choice(words) => declared.one_of(words),
-        Kind::Flag | Kind::Text | Kind::Reals | Kind::Texts => declared,
-    };
-    Ok(match key.as_str() {
-        "node.source" => declared.read_only("topics are subscribed to at the start"),
-        "node.autostart" => declared.read_only("it counts at the start"),
-        key if key.starts_with("node.") || Config::is_of_the_robot(key) => declared,
-        _ => declared.read_only("it belongs to the model, which was learned with it"),
-    })
-}
-
-/// What was given, as the parameters' reader takes it.
-fn values(
-    table: &crate::parameters::ParameterTable,
-    given: &BTreeSet<String>,
-) -> BTreeMap<String, Value> {
-    let given = given.iter().filter(|name| *name != "use_sim_time");
-    given.filter_map(|name| Some((name.clone(), to_json(&table.get(name)?.value)))).collect()
-}
-
-/// What the parameters are, on top of the defaults.
-///
-/// # Errors
-/// All that is wrong with them.
-fn settings(
-    parameters: &ParameterServer,
-    given: &BTreeSet<String>,
-) -> Result<(Config, NodeSettings)> {
-    let values = values(parameters.table(), given);
-    let (config, node, _) = Config::default().with_values(&NodeSettings::default(), values)?;
-    Ok((config, node))
-}
-
-fn to_json(value: &ParameterValue) -> Value {
-    match value {
-        ParameterValue::NotSet => Value::Null,
-        ParameterValue::Bool(value) => json!(value),
-        ParameterValue::Integer(value) => json!(value),
-        ParameterValue::Double(value) => json!(value),
-        ParameterValue::Text(value) => json!(value),
-        ParameterValue::Bytes(value) => json!(value),
-        ParameterValue::Bools(value) => json!(value),
-        ParameterValue::Integers(value) => json!(value),
-        ParameterValue::Doubles(value) => json!(value),
-        ParameterValue::Texts(value) => json!(value),
-    }
-}
-
-/// A value of the kind that `like` is; itself where it is of no such kind.
-fn to_value(value: &Value, like: &ParameterValue) -> ParameterValue {
-    let list = || value.as_array().into_iter().flatten();
-    let text = |value: &Value| value.as_str().map(str::to_owned);
-    let found = match like {
-        ParameterValue::Bool(_) => value.as_bool().map(Into::into),
-        ParameterValue::Integer(_) => value.as_i64().map(Into::into),
-        ParameterValue::Double(_) => value.as_f64().map(Into::into),
-        ParameterValue::Text(_) => text(value).map(Into::into),
-        ParameterValue::Doubles(_) => {
-            Some(ParameterValue::Doubles(list().filter_map(Value::as_f64).collect()))
-        }
-        ParameterValue::Texts(_) => Some(ParameterValue::Texts(list().filter_map(text).collect())),
-        _ => None,
-    };
-    found.unwrap_or_else(|| like.clone())
 }

@@ -20,6 +20,8 @@ const SIMULATED_TIME: &str = "use_sim_time";
 pub struct ParameterServer {
     table: ParameterTable,
     changes: Vec<(String, ParameterValue)>,
+    /// What somebody set, be it to what it was.
+    set_names: Vec<String>,
     node_name: String,
     events: Publisher<msg::ParameterEvent>,
     get: Requests<srv::GetParameters::Service>,
@@ -73,6 +75,7 @@ impl ParameterServer {
             .context("/parameter_events")?;
         let server = Self {
             changes: Vec::new(),
+            set_names: Vec::new(),
             node_name: node.fully_qualified_name()?,
             events,
             get: requests(node, "~/get_parameters")?,
@@ -100,14 +103,20 @@ impl ParameterServer {
         std::mem::take(&mut self.changes)
     }
 
+    /// The names of what has been set since this was asked last, be it to what it was before.
+    pub fn take_set_names(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.set_names)
+    }
+
     /// Answers every request that has come in.
     ///
-    /// - `may_set`: asked before a change is taken, with names and values as they will be, one or
-    ///   those of an atomic change; an error is the reason that whoever asked is told.
+    /// - `may_set`: asked before a change is taken, with the table as it is, and names and values as
+    ///   they will be, one or those of an atomic change; an error is the reason that whoever asked is
+    ///   told.
     pub fn serve(
         &mut self,
         node: &Node,
-        mut may_set: impl FnMut(&[(String, ParameterValue)]) -> Result<(), String>,
+        mut may_set: impl FnMut(&ParameterTable, &[(String, ParameterValue)]) -> Result<(), String>,
     ) {
         while let Some(request) = self.get.next() {
             let values = request.message.names.iter().map(|name| self.value(name)).collect();
@@ -163,7 +172,7 @@ impl ParameterServer {
         &mut self,
         node: &Node,
         changes: &[(String, ParameterValue)],
-        may_set: &mut impl FnMut(&[(String, ParameterValue)]) -> Result<(), String>,
+        may_set: &mut impl FnMut(&ParameterTable, &[(String, ParameterValue)]) -> Result<(), String>,
     ) -> msg::SetParametersResult {
         let changed = match self.table.set(changes, may_set) {
             Ok(changed) => changed,
@@ -174,6 +183,7 @@ impl ParameterServer {
             self.tell(node, msg::ParameterEvent { changed_parameters, ..Default::default() });
         }
         self.changes.extend(changed);
+        self.set_names.extend(changes.iter().map(|(name, _)| name.clone()));
         msg::SetParametersResult { successful: true, reason: String::new() }
     }
 

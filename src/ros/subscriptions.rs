@@ -13,6 +13,9 @@ use crate::messages::{
     MarkerArray, Message, MultiDofJointState, PoseStamped, TransformTree, decode,
 };
 
+/// Where frames are told that never move.
+const FIXED: &str = "/tf_static";
+
 /// The subscriptions of the handover node.
 pub(super) struct Subscriptions {
     skeleton: Option<Messages<MultiDofJointState>>,
@@ -40,7 +43,7 @@ impl Subscriptions {
             .transpose()?;
         let moving = QosProfile::default().keep_last(100).best_effort();
         let fixed = QosProfile::default().keep_last(100).transient_local();
-        let transforms = [("/tf", moving), ("/tf_static", fixed)];
+        let transforms = [("/tf", moving), (FIXED, fixed)];
         let transforms: Result<Vec<_>> = transforms
             .into_iter()
             .map(|(topic, quality)| Messages::new(node, topic, quality))
@@ -107,6 +110,7 @@ impl Subscriptions {
         });
         self.object.each(&mut complain, |message, _| inbox.object(message));
         for transforms in &mut self.transforms {
+            let is_fixed = transforms.topic == FIXED;
             transforms.each(&mut complain, |message, _| {
                 if let Some(assembler) = &mut self.assembler {
                     for body in assembler.take(&message) {
@@ -114,7 +118,7 @@ impl Subscriptions {
                         sees = true;
                     }
                 }
-                inbox.transforms(message);
+                inbox.transforms(message, is_fixed);
             });
         }
         sees

@@ -11,6 +11,7 @@ use r2r::{Node, QosProfile};
 use super::inbox::Inbox;
 use super::shell::{Publisher, RosClock};
 use crate::config::NodeSettings;
+use crate::geometry::Point;
 use crate::live::{Inputs, Live, Outputs};
 use crate::messages::{DiagnosticArray, MarkerArray, MultiDofTrajectory, PoseStamped, Text};
 use crate::safety::HoldReason;
@@ -20,8 +21,11 @@ use crate::time::{Span, Stamp};
 pub(super) enum Command {
     /// Ticks with this, so often.
     Start(Box<Live>, Span),
-    /// Ticks no more.
-    Stop,
+    /// Ticks no more; says so when it does not. A robot that only does as it is told begins again
+    /// where it stands.
+    Stop(Sender<()>),
+    /// What comes next is another robot.
+    Forget,
     /// Calls the handover off.
     Cancel,
     /// Begins a new one.
@@ -99,6 +103,19 @@ impl Ticker {
         self.wake();
     }
 
+    /// Stops, and waits until nothing more is published.
+    pub(super) fn stop(&self) {
+        let (stopped, is_stopped) = mpsc::channel();
+        self.tell(Command::Stop(stopped));
+        // A thread that has died publishes nothing either.
+        let _ = is_stopped.recv_timeout(Duration::from_secs(1));
+    }
+
+    /// Whether the thread has ended before it was told to: it panicked.
+    pub(super) fn is_dead(&self) -> bool {
+        self.thread.as_ref().is_none_or(JoinHandle::is_finished)
+    }
+
     /// Somebody is seen.
     pub(super) fn wake(&self) {
         self.handle.unpark();
@@ -130,12 +147,24 @@ pub(super) struct Ticking {
 
 impl Ticking {
     fn run(self, receiver: &Receiver<Command>) {
-        let mut running: Option<Running> = None;
+        let (mut running, mut inputs): (Option<Running>, _) = (None, Inputs::default());
+        // Where a robot that only does as it is told was told to stand, and from when on.
+        let mut standstill = None;
         loop {
             while let Ok(command) = receiver.try_recv() {
                 match (command, running.as_mut()) {
-                    (Command::Start(live, period), _) => running = Some(Running::new(live, period)),
-                    (Command::Stop, _) => running = None,
+                    (Command::Start(mut live, period), _) => {
+                        let (pose, from) = standstill.take().unzip();
+                        pose.iter().for_each(|pose: &Vec<Point>| live.begin_at(pose));
+                        running = Some(Running::new(live, period, from));
+                    }
+                    (Command::Stop(stopped), _) => {
+                        let stand = running.take().and_then(|running| running.live.standstill());
+                        standstill = stand.or(standstill);
+                        // Whoever asked may have given up.
+                        let _ = stopped.send(());
+                    }
+                    (Command::Forget, _) => standstill = None,
                     (Command::End, _) => return,
                     (_, None) => {}
                     (Command::Cancel, Some(running)) => running.live.cancel(),
@@ -143,13 +172,16 @@ impl Ticking {
                     (Command::Set(node), Some(running)) => running.live.set(&node),
                 }
             }
+            let now = self.clock.now();
             let Some(running) = running.as_mut() else {
-                thread::park_timeout(Duration::from_millis(100));
+                // Frames are said once; of all else the old is of no use later.
+                self.inbox.take(&mut inputs, now);
+                thread::park_timeout(Duration::from_millis(20));
                 continue;
             };
-            let now = self.clock.now();
             if self.is_simulated && now == Stamp(0) {
                 // Nobody has said what time it is.
+                self.inbox.take(&mut inputs, now);
                 thread::park_timeout(Duration::from_millis(5));
                 continue;
             }
@@ -160,15 +192,15 @@ impl Ticking {
                 thread::park_timeout(Duration::from_nanos(wait.0.min(most).unsigned_abs()));
                 continue;
             }
-            self.tick(running, now);
+            self.inbox.take(&mut inputs, now);
+            self.tick(running, &inputs, now);
         }
     }
 
-    fn tick(&self, running: &mut Running, now: Stamp) {
-        self.inbox.take(&mut running.inputs);
+    fn tick(&self, running: &mut Running, inputs: &Inputs, now: Stamp) {
         #[expect(clippy::disallowed_methods, reason = "a shell: how long a tick takes is told")]
         let begun = Instant::now();
-        let mut outputs = running.live.tick(now, &running.inputs, running.took);
+        let mut outputs = running.live.tick(now, inputs, running.took);
         running.took = Some(begun.elapsed().as_nanos() as f64 / 1000.0);
         for status in outputs.diagnostics.iter_mut().flat_map(|array| &mut array.status) {
             status.name = format!("{}: {}", self.node_name, status.name);
@@ -189,7 +221,8 @@ impl Ticking {
 struct Running {
     live: Box<Live>,
     period: Span,
-    inputs: Inputs,
+    /// Not before this: the robot still brakes.
+    from: Option<Stamp>,
     /// When the last tick was, and when the next is due.
     last: Option<(Stamp, Stamp)>,
     took: Option<f64>,
@@ -197,13 +230,17 @@ struct Running {
 }
 
 impl Running {
-    fn new(live: Box<Live>, period: Span) -> Self {
-        Self { live, period, inputs: Inputs::default(), last: None, took: None, reason: None }
+    fn new(live: Box<Live>, period: Span, from: Option<Stamp>) -> Self {
+        Self { live, period, from, last: None, took: None, reason: None }
     }
 
     /// How long until the next tick: a period after the last; if somebody is seen, a quarter of it.
     fn wait(&self, now: Stamp, is_seen: bool) -> Span {
-        let Some((last, due)) = self.last else { return Span(0) };
+        let Some((last, due)) = self.last else {
+            // A clock that was set makes nobody wait for long.
+            let brakes = self.from.map_or(Span(0), |from| from - now);
+            return if brakes.seconds() > 5.0 { Span(0) } else { brakes };
+        };
         if now < last {
             // The clock was set back: the tick knows what to do.
             return Span(0);

@@ -1,6 +1,7 @@
 //! Anything may be said by anybody at any time.
 
 use handover_mesh::bodies::Body;
+use handover_mesh::frames::FrameTree;
 use handover_mesh::live::Inputs;
 use handover_mesh::messages::{
     Header, Pose, PoseStamped, Quaternion, Time, Transform, TransformStamped, TransformTree,
@@ -83,6 +84,7 @@ fn nothing_said_by_anybody_makes_a_target_that_is_none() {
             if seed % 3 == 0 { RobotState::Demonstrated } else { RobotState::Reported };
         let mut live = live(NodeSettings { robot_state, ..NodeSettings::default() });
         let handover = Handover::new(200 + seed);
+        let mut frames = FrameTree::default();
         let (mut now, mut before, mut reset) = (Stamp(EPOCH), None, -1000);
         for tick in 0..150 {
             now.0 += if random.random_bool(0.05) {
@@ -108,7 +110,9 @@ fn nothing_said_by_anybody_makes_a_target_that_is_none() {
                 said.object = Some(PoseStamped { header, pose });
             }
             if random.random_bool(0.1) {
-                said.transforms.push(tree(random));
+                frames.take(&tree(random), now);
+                frames.fix(&tree(random));
+                said.frames.clone_from(&frames);
             }
             match random.random_range(0..200) {
                 0 => live.cancel(),

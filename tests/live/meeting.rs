@@ -130,6 +130,71 @@ fn a_robot_that_says_nothing_begins_as_demonstrated() {
 }
 
 #[test]
+fn the_hands_target_goes_on_while_the_robot_holds() {
+    let handover = Handover::new(107);
+    let mut live = live(NodeSettings::default());
+    let robot = handover.giver(0.0);
+    let mut last = None;
+    for frame in 0..60 {
+        let now = Stamp(EPOCH + frame * FRAME);
+        let seen = handover.receiver((frame * FRAME) as f64 / 1e9);
+        let partner = (frame < 45).then(|| body(now, None, &seen));
+        let outputs = live.tick(now, &inputs(partner, body(now, None, &robot)), None);
+        let place = first(&outputs.joint_targets.unwrap())[HAND];
+        assert_eq!(Point::from(outputs.hand_target.unwrap().pose.position), place);
+        last = Some((place, outputs.reason));
+    }
+    let (place, reason) = last.unwrap();
+    assert_eq!(reason, Some(HoldReason::Stale));
+    assert!((place - robot[HAND]).norm() > 0.1, "it had moved, and stands there");
+}
+
+#[test]
+fn what_is_old_is_not_where_anything_is() {
+    let handover = Handover::new(108);
+    let mut live = live(NodeSettings::default());
+    let (now, old) = (Stamp(EPOCH), Stamp(EPOCH - 3_000_000_000));
+    let said = inputs(None, body(old, None, &handover.giver(0.0)));
+    let outputs = live.tick(now, &said, None);
+    assert_eq!(outputs.reason, Some(HoldReason::NoRobot));
+    let message = &outputs.diagnostics.unwrap().status[0].message;
+    assert!(message.contains("robot_skeleton: its stamp is 3.000 s old"), "{message}");
+    // A report is no place to begin at for long: after a reset the robot says it anew.
+    let said = inputs(None, body(now, None, &handover.giver(0.0)));
+    assert!(live.tick(now, &said, None).joint_targets.is_some());
+    live.reset();
+    let later = Stamp(now.0 + FRAME);
+    assert_eq!(live.tick(later, &Inputs::default(), None).reason, Some(HoldReason::NoRobot));
+}
+
+#[test]
+fn a_robot_that_does_as_told_begins_where_it_stood() {
+    let handover = Handover::new(109);
+    let base = handover.giver(0.0)[Skeleton::nite().root().index()];
+    let node = NodeSettings {
+        robot_state: RobotState::Demonstrated,
+        world_from_base: geometry::yaw_isometry(0.0, base.coords),
+        ..NodeSettings::default()
+    };
+    let mut before = live(node.clone());
+    for frame in 0..45 {
+        let now = Stamp(EPOCH + frame * FRAME);
+        let seen = handover.receiver((frame * FRAME) as f64 / 1e9);
+        let bodies = vec![body(now, None, &seen)];
+        before.tick(now, &Inputs { bodies, ..Inputs::default() }, None);
+    }
+    let (stand, from) = before.standstill().unwrap();
+    assert!(from > Stamp(EPOCH + 44 * FRAME));
+    let mut after = live(node);
+    after.begin_at(&stand);
+    let targets = after.tick(from, &Inputs::default(), None).joint_targets.unwrap();
+    for (place, stood) in first(&targets).iter().zip(&stand) {
+        assert!((place - stood).norm() < 1e-9);
+    }
+    assert_eq!(targets.points.len(), 1, "it stands");
+}
+
+#[test]
 fn called_off_it_stands_until_it_is_reset() {
     let handover = Handover::new(104);
     let mut live = live(NodeSettings::default());

@@ -152,6 +152,12 @@ def test_a_sensor_whose_place_the_tree_of_frames_knows(handover, ros, clip, tf):
     edge.transform.rotation.z, edge.transform.rotation.w = math.sin(YAW / 2), math.cos(YAW / 2)
     fixed.publish(tf(transforms=[edge]))
     time.sleep(0.3)
+    # What moves must not crowd out what was said once, nor may a new life forget it.
+    moving = ros.publisher(tf, "/tf", QoSProfile(depth=100), subscribers=1)
+    for number in range(300):
+        moving.publish(tf(transforms=transforms({"wheel": [0, 0, 0]}, ros.now(), number)))
+    assert ros.change_state("/handover", "deactivate")
+    assert ros.change_state("/handover", "activate")
     meeting = SensorMeeting(ros, clip)
     meeting.play()
     assert hand_error(meeting, clip) < 0.1

@@ -1,5 +1,6 @@
 """The handover node's life and parameters, as launch files and `ros2 param` lead them."""
 
+import math
 import time
 
 import pytest
@@ -11,7 +12,7 @@ from rclpy.qos import QoSProfile
 from std_srvs.srv import Trigger
 
 from conftest import ROOT
-from handover import Meeting
+from handover import GIVER, RECEIVER, Meeting, distance, place_of, skeleton
 from processes import wait_for
 
 NODE = "/handover"
@@ -40,7 +41,8 @@ def test_the_whole_life(waiting, ros, clip):
     meeting.play(end=30)
     assert meeting.targets.count > 0
     assert ros.change_state(NODE, "deactivate")
-    time.sleep(0.1)
+    # What was on its way when the service answered.
+    time.sleep(0.02)
     meeting.targets.clear()
     meeting.play(start=30, end=40)
     assert meeting.targets.count == 0
@@ -54,6 +56,49 @@ def test_the_whole_life(waiting, ros, clip):
     assert [event.goal_state.label for event in events.wait(len(expected))] == expected
     assert ros.change_state(NODE, "unconfigured_shutdown")
     assert waiting.wait() == 0
+
+
+def test_what_is_set_wins_over_the_model_even_if_it_was_so_before(
+        handover, ros, programs, recordings, work):
+    slow = work / "slow.safetensors"
+    programs.run("handover", "learn", recordings, "--role", "giver", "--method", "none",
+                 "--set", "safety.speed=3.0", "-o", slow)
+    handover({"node.model": str(slow), "node.autostart": False})
+    assert ros.change_state(NODE, "configure")
+    assert ros.get_parameters(NODE, "safety.speed") == [3.0], "the model's"
+    assert ros.change_state(NODE, "cleanup")
+    assert ros.set_parameters(NODE, safety__speed=3.0)["safety.speed"][0]
+    assert ros.set_parameters(NODE, safety__speed=1.7)["safety.speed"][0]
+    assert ros.set_parameters(NODE, safety__speed=1.7)["safety.speed"][0]
+    assert ros.change_state(NODE, "configure")
+    assert ros.get_parameters(NODE, "safety.speed") == [1.7]
+
+
+def test_a_robot_that_says_nothing_goes_on_from_where_it_stands(handover, ros, clip):
+    base = clip.people[0][GIVER]["torso"]
+    # The recorded giver looks at the receiver.
+    there = clip.people[0][RECEIVER]["torso"]
+    yaw = math.atan2(there[1] - base[1], there[0] - base[0])
+    handover({"node.robot_state": "demonstrated", "node.world_from_base": [*base, 0.0, 0.0, yaw]})
+    meeting = Meeting(ros, clip)
+    first = place_of(meeting.targets.wait()[0], "right_hand")
+    for frame in range(clip.closest()):
+        meeting.partner.publish(skeleton(clip.people[frame][RECEIVER], ros.now()))
+        time.sleep(1 / 30)
+    assert ros.change_state(NODE, "deactivate")
+    time.sleep(0.1)
+    last = meeting.targets.last
+    stands = place_of(last, "right_hand", -1)
+    meeting.targets.clear()
+    assert ros.change_state(NODE, "activate")
+    begins = place_of(meeting.targets.wait()[0], "right_hand")
+    assert distance(first, stands) > 0.05, "it had moved"
+    assert distance(begins, stands) < 1e-6
+    # Cleaned up, it is another robot.
+    assert ros.change_state(NODE, "deactivate") and ros.change_state(NODE, "cleanup")
+    meeting.targets.clear()
+    assert ros.change_state(NODE, "configure") and ros.change_state(NODE, "activate")
+    assert distance(place_of(meeting.targets.wait()[0], "right_hand"), first) < 1e-6
 
 
 def test_states_and_transitions_are_those_of_lifecycle_nodes(waiting, ros):
@@ -72,6 +117,7 @@ def test_states_and_transitions_are_those_of_lifecycle_nodes(waiting, ros):
     ({"node.model": "/nowhere/model.safetensors"}, "/nowhere/model.safetensors"),
     ({"node.model": str(ROOT / "README.md")}, "README.md"),
     ({"node.role": "receiver"}, "node.role is receiver, but the robot of"),
+    ({"safety.lead": 0.4}, "must be at least safety.lead, 0.4"),
 ])
 def test_what_cannot_be_configured_is_said_and_may_be_mended(
         handover, ros, model, parameters, words):
@@ -79,7 +125,7 @@ def test_what_cannot_be_configured_is_said_and_may_be_mended(
     assert not ros.change_state(NODE, "configure")
     assert ros.state(NODE) == "unconfigured"
     process.says(words)
-    taken = ros.set_parameters(NODE, node__model=str(model), node__role="")
+    taken = ros.set_parameters(NODE, node__model=str(model), node__role="", safety__lead=0.05)
     assert all(success for success, _ in taken.values()), taken
     assert ros.change_state(NODE, "configure")
 
@@ -117,7 +163,8 @@ def test_parameters_are_set_or_refused_with_a_reason(waiting, ros):
     assert "must be a number" in reason(safety__speed="fast")
     assert "belongs to the model" in reason(mesh__scale=3.0)
     assert "safety.spede is no parameter" in reason(safety__spede=1.0)
-    assert "must be at least safety.lead" in reason(safety__lead=0.4)
+    assert "no numbers, or six" in reason(safety__workspace=[1.0, 2.0])
+    assert "has none" in reason(node__partner=3), "the topic skeleton numbers nobody"
     assert ros.set_parameters(NODE, safety__speed=1)["safety.speed"] == (True, "")
     assert ros.get_parameters(NODE, "safety.speed") == [1.0]
     # Together or not at all.

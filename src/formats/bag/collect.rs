@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::super::error::{Place, Reason, Violations};
-use super::frames::Statics;
 use super::{Event, folder, shortened};
 use crate::bodies::{Body, TransformAssembler, from_joint_state, from_markers, from_trajectory};
+use crate::frames::FrameTree;
 use crate::geometry::Point;
 use crate::messages::{
     MarkerArray, Message, MessageError, MultiDofJointState, MultiDofTrajectory, PoseStamped,
@@ -92,7 +92,7 @@ pub(super) struct Collected {
     topics: BTreeMap<String, Topic>,
     tracks: BTreeMap<(Kind, usize, Option<u32>), Track>,
     assemblers: BTreeMap<String, TransformAssembler>,
-    pub(super) statics: Statics,
+    pub(super) statics: FrameTree,
     pub(super) custom_data: BTreeMap<String, String>,
     pub(super) violations: Violations,
 }
@@ -167,7 +167,7 @@ impl Collected {
                 let bodies = assembler.take(&read(data)?);
                 bodies.into_iter().for_each(|body| add(Kind::Transforms, body));
             }
-            Use::Statics => self.statics.take(&read(data)?),
+            Use::Statics => self.statics.fix(&read(data)?),
             Use::Object => {
                 let pose: PoseStamped = read(data)?;
                 let place = pose.pose.position.into();

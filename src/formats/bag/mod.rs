@@ -15,7 +15,6 @@ mod collect;
 mod definitions;
 mod fill;
 mod folder;
-mod frames;
 mod losses;
 mod mcap;
 mod packed;

@@ -11,8 +11,8 @@ use super::super::field::FARTHEST;
 use super::super::rate;
 use super::super::up::UpAxis;
 use super::collect::Track;
-use super::frames::Statics;
 use super::people::Candidate;
+use crate::frames::FrameTree;
 use crate::geometry::{Isometry, Point};
 use crate::skeleton::{Part, Skeleton, SkeletonError};
 use crate::time::Stamp;
@@ -52,7 +52,7 @@ impl Timeline {
 /// How a track's places are seen from the frame of all: nothing changes in that frame itself.
 pub(super) struct View<'a> {
     pub(super) frame: &'a str,
-    pub(super) statics: &'a Statics,
+    pub(super) statics: &'a FrameTree,
     pub(super) up: UpAxis,
 }
 
@@ -64,7 +64,7 @@ impl View<'_> {
             let place = || Place::Message { topic: track.topic.clone(), number: seen.number };
             if *seen.frame != *self.frame {
                 let found = known.entry(seen.frame.to_string());
-                let between = || self.statics.between(self.frame, &seen.frame);
+                let between = || self.statics.between(self.frame, &seen.frame, Stamp(0));
                 let Some(here_from_there) = found.or_insert_with(between) else {
                     let (frame, other) = (shortened(&seen.frame), shortened(self.frame));
                     violations.add(place(), Reason::Frames { frame, other });

@@ -36,6 +36,9 @@ impl Report<'_> {
         if let Some(body) = self.body {
             say("partner", body.map_or("unnumbered".to_owned(), |number| number.to_string()));
         }
+        if let Some(age) = self.robot_age {
+            say("robot_age_s", format!("{age:.4}"));
+        }
         if let Some(tick) = tick {
             self.say_tick(model, tick, &mut say);
         }

@@ -1,7 +1,7 @@
 //! Shapes for viewers: fixed numbers, so that each replaces its last, and a lifetime, so that what is
 //! no more said is no more shown.
 
-use super::super::state::Hands;
+use super::super::state::HandTarget;
 use crate::geometry::Point;
 use crate::messages::{Color, Duration, Header, Marker, MarkerArray, Point3, Vector3};
 use crate::online::{OnlineModel, Tick};
@@ -21,7 +21,7 @@ const HAND: Color = Color { r: 0.9, g: 0.1, b: 0.3, a: 1.0 };
 pub(super) fn markers(
     model: &OnlineModel,
     tick: Option<&Tick<'_>>,
-    hands: Option<&Hands>,
+    hand: Option<&HandTarget>,
     header: &Header,
 ) -> MarkerArray {
     let mut markers = Vec::new();
@@ -59,8 +59,8 @@ pub(super) fn markers(
         });
         show("edges", 5, Marker::LINE_LIST, 0.01, EDGE, ends.collect());
     }
-    if let Some(hands) = hands {
-        show("hand", 6, Marker::SPHERE_LIST, 0.09, HAND, vec![hands.robot.into()]);
+    if let Some(hand) = hand {
+        show("hand", 6, Marker::SPHERE_LIST, 0.09, HAND, vec![hand.place.into()]);
     }
     MarkerArray { markers }
 }

@@ -3,7 +3,8 @@
 mod diagnostics;
 mod markers;
 
-use super::{HandoverState, state::Hands};
+use super::HandoverState;
+use super::state::{HandTarget, Hands};
 use crate::config::NodeSettings;
 use crate::geometry::{Point, Vector, direction_or};
 use crate::messages::{
@@ -44,8 +45,11 @@ pub(super) struct Report<'a> {
     pub(super) now: Stamp,
     pub(super) state: HandoverState,
     pub(super) hands: Option<Hands>,
+    pub(super) hand: Option<HandTarget>,
     /// The number of the body that is the partner.
     pub(super) body: Option<Option<u32>>,
+    /// How long ago the robot said where it is `[s]`.
+    pub(super) robot_age: Option<f64>,
     pub(super) refused: Option<&'a str>,
     /// How long the last tick took `[us]`.
     pub(super) took: Option<f64>,
@@ -80,8 +84,8 @@ impl Report<'_> {
         }
         Outputs {
             joint_targets: target.map(|target| trajectory(model, target, header.clone())),
-            hand_target: target.and(self.hands).map(|hands| hand_target(&hands, header.clone())),
-            markers: shows.then(|| markers::markers(model, tick, self.hands.as_ref(), &header)),
+            hand_target: self.hand.map(|hand| hand_target(&hand, header.clone())),
+            markers: shows.then(|| markers::markers(model, tick, self.hand.as_ref(), &header)),
             state: Text { data: self.state.name().to_owned() },
             diagnostics: tells.then(|| self.diagnostics(model, tick, reason)),
             reason,
@@ -121,8 +125,8 @@ fn trajectory(model: &OnlineModel, target: &Target, header: Header) -> MultiDofT
 }
 
 /// The hand, x along the forearm, z as far up as that leaves.
-fn hand_target(hands: &Hands, header: Header) -> PoseStamped {
-    let ahead = direction_or(hands.forearm.unwrap_or_else(Vector::x), Vector::x());
+fn hand_target(hand: &HandTarget, header: Header) -> PoseStamped {
+    let ahead = direction_or(hand.forearm.unwrap_or_else(Vector::x), Vector::x());
     // A forearm that points straight up has its own z backwards.
     let up = if ahead.z.abs() > 0.999 { -Vector::x() } else { Vector::z() };
     let left = direction_or(up.cross(&ahead), Vector::y());
@@ -130,5 +134,5 @@ fn hand_target(hands: &Hands, header: Header) -> PoseStamped {
     let turn = nalgebra::Rotation3::from_matrix_unchecked(axes);
     let q = nalgebra::UnitQuaternion::from_rotation_matrix(&turn).coords;
     let orientation = Quaternion { x: q.x, y: q.y, z: q.z, w: q.w };
-    PoseStamped { header, pose: Pose { position: hands.robot.into(), orientation } }
+    PoseStamped { header, pose: Pose { position: hand.place.into(), orientation } }
 }
