@@ -8,6 +8,7 @@
 pub mod context;
 mod inbox;
 mod lifecycle;
+mod load;
 mod node;
 pub mod parameters;
 pub mod shell;

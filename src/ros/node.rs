@@ -1,29 +1,25 @@
 //! The handover node: its life, its parameters, what it hears.
 
-use std::fs;
-use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
 
-use anyhow::{Context as _, Result, anyhow, bail};
+use anyhow::{Result, bail};
 use r2r::Node;
 
 use super::context::{ArgumentsError, context};
 use super::inbox::Inbox;
-use super::lifecycle::LifecycleServer;
+use super::lifecycle::{Asker, LifecycleServer};
+use super::load::{Loaded, Loading};
 use super::parameters::{ParameterServer, ParameterServerError, started_with};
 use super::shell::{RosClock, Stop};
 use super::subscriptions::Subscriptions;
 use super::ticker::{Command, Publishers, Ticker, Ticking};
 use super::triggers::{Asked, Triggers};
 use crate::config::given::{Given, declared, differences};
-use crate::config::{Change, ConfigError, NodeSettings};
+use crate::config::{Change, ConfigError};
 use crate::lifecycle::{Outcome, State, Step};
 use crate::live::Live;
-use crate::model::Model;
-use crate::online::OnlineModel;
-use crate::predict::Predictor;
 use crate::time::Span;
 
 /// The node's name, if nothing else is said.
@@ -62,14 +58,12 @@ struct Handover {
     subscriptions: Subscriptions,
     inbox: Arc<Inbox>,
     ticker: Ticker,
+    /// A model on its way, while the node is configuring.
+    loading: Option<Loading>,
     /// What is configured, until it is cleaned up.
-    configured: Option<Configured>,
-}
-
-/// What configuring leaves.
-struct Configured {
-    model: Arc<OnlineModel>,
-    node: NodeSettings,
+    configured: Option<Loaded>,
+    /// Whether the node activates itself, once it is configured.
+    autostart: bool,
 }
 
 impl Handover {
@@ -93,7 +87,9 @@ impl Handover {
         let mut handover = Self {
             lifecycle: LifecycleServer::new(node)?,
             triggers: Triggers::new(node)?,
+            loading: None,
             configured: None,
+            autostart: settings.autostart,
             logger,
             parameters,
             given,
@@ -101,12 +97,8 @@ impl Handover {
             inbox,
             ticker,
         };
-        if settings.autostart {
-            for step in [Step::Configure, Step::Activate] {
-                if handover.step(node, step) == Outcome::Failure {
-                    break;
-                }
-            }
+        if handover.autostart {
+            handover.begin(Step::Configure, None);
         }
         Ok(handover)
     }
@@ -129,9 +121,17 @@ impl Handover {
         self.serve_parameters(node);
         self.lifecycle.serve();
         // The steps need all of the node but its life.
-        while let Some((answer, step)) = self.lifecycle.asked() {
-            let outcome = self.step(node, step);
-            answer.give(outcome);
+        while let Some((asker, step)) = self.lifecycle.asked() {
+            self.begin(step, Some(asker));
+        }
+        if let Some(loading) = self.loading.take_if(|loading| loading.is_done()) {
+            let (loaded, asker) = loading.end();
+            let outcome = loaded.and_then(|loaded| self.configured(node, loaded));
+            let is_configured = outcome.is_ok();
+            self.end(outcome, asker);
+            if is_configured && std::mem::take(&mut self.autostart) {
+                self.begin(Step::Activate, None);
+            }
         }
         let state = self.lifecycle.state();
         let ticker = &self.ticker;
@@ -171,11 +171,15 @@ impl Handover {
         }
     }
 
-    /// Takes a step of the node's life.
-    fn step(&mut self, node: &Node, step: Step) -> Outcome {
+    /// Takes a step of the node's life; configuring goes on by itself.
+    fn begin(&mut self, step: Step, asker: Option<Asker>) {
         self.lifecycle.begin(step);
         let outcome = match step {
-            Step::Configure => self.configure(node),
+            Step::Configure => {
+                let (given, table) = (self.given.clone(), self.parameters.table().clone());
+                self.loading = Some(Loading::begin(given, table, asker));
+                return;
+            }
             Step::Activate => self.activate(),
             Step::Deactivate | Step::CleanUp | Step::ShutDown => {
                 // What was published last ends in a standstill: nothing is left to be said.
@@ -187,6 +191,11 @@ impl Handover {
                 Ok(())
             }
         };
+        self.end(outcome, asker);
+    }
+
+    /// Arrives or goes back, and says so.
+    fn end(&mut self, outcome: Result<()>, asker: Option<Asker>) {
         let outcome = match outcome {
             Ok(()) => Outcome::Success,
             Err(error) => {
@@ -196,48 +205,29 @@ impl Handover {
         };
         self.lifecycle.end(outcome);
         r2r::log_info!(&self.logger, "{}", self.lifecycle.state().label());
-        outcome
+        if let Some(asker) = asker {
+            asker.give(outcome);
+        }
     }
 
-    /// Loads the model, and lays what was given over its parameters.
-    fn configure(&mut self, node: &Node) -> Result<()> {
-        let settings = self.given.node(self.parameters.table())?;
-        if settings.model.is_empty() {
-            bail!("node.model is not set (hint: -p node.model:=MODEL.safetensors)");
-        }
-        let path = Path::new(&settings.model);
-        let shown = path.display();
-        let bytes = fs::read(path).with_context(|| format!("node.model: {shown}"))?;
-        let model = Model::from_bytes(&bytes).map_err(|error| anyhow!("{shown}: {error}"))?;
-        let role = model.people()[model.robot_role() as usize];
-        if !settings.role.is_empty() && settings.role != role {
-            bail!("node.role is {}, but the robot of {shown} is {role}", settings.role);
-        }
-        let (config, differing) = self.given.over(model.config(), self.parameters.table())?;
-        for Change { key, value, default } in differing {
+    /// Shows what was loaded.
+    fn configured(&mut self, node: &Node, loaded: Loaded) -> Result<()> {
+        for Change { key, value, default } in &loaded.differing {
             r2r::log_warn!(
                 &self.logger,
                 "{key} is {default}, with which the model was learned; {value} counts for nothing"
             );
         }
-        let predictor = Predictor::fit(model.demonstrations().to_vec(), config.predict.clone());
-        let predictor = predictor.with_context(|| shown.to_string())?;
-        let predictor = predictor.with_edges(model.edges().clone());
-        let online = OnlineModel::new(&predictor, config.online.clone());
-        let online = Arc::new(online.with_context(|| shown.to_string())?);
-        // What cannot be ticked with is said now, not when the node is made active.
-        Live::new(online.clone(), settings.clone()).with_context(|| shown.to_string())?;
-        for (name, value) in differences(&config, self.parameters.table()) {
+        for (name, value) in differences(&loaded.config, self.parameters.table()) {
             self.parameters.put(node, &name, value)?;
         }
-        let count = model.demonstrations().len();
-        r2r::log_info!(&self.logger, "{shown}: the robot is {role}, {count} demonstrations");
-        self.configured = Some(Configured { model: online, node: settings });
+        r2r::log_info!(&self.logger, "{}", loaded.about);
+        self.configured = Some(loaded);
         Ok(())
     }
 
     fn activate(&mut self) -> Result<()> {
-        let Some(Configured { model, node }) = &self.configured else {
+        let Some(Loaded { model, node, .. }) = &self.configured else {
             bail!("nothing is configured");
         };
         let live = Live::new(model.clone(), node.clone())?;
