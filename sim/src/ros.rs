@@ -217,6 +217,9 @@ fn read(path: &Path, up: UpAxis) -> Result<Recording> {
     for lost in &read.losses {
         r2r::log_warn!(NAME, "{}: lost: {lost}", at());
     }
+    for note in &read.notes {
+        r2r::log_info!(NAME, "{}: {note}", at());
+    }
     Ok(read.recording)
 }
 

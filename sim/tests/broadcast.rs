@@ -267,14 +267,14 @@ fn the_kind_of_a_sensor_and_its_figures_go_together() {
     let mut table = ParameterTable::new(parameters("kinect"));
     assert_eq!(Settings::of(&table).sensor, SensorConfig::kinect(30.0));
     assert!(follow_ups(&table, &[]).is_empty());
-    let lossy = table.set(&change("sensor.frame_loss", 0.5.into()), |_| Ok(())).unwrap();
+    let lossy = table.set(&change("sensor.frame_loss", 0.5.into()), |_, _| Ok(())).unwrap();
     assert_eq!(follow_ups(&table, &lossy), change("sensor.kind", "custom".into()));
     table.start(follow_ups(&table, &lossy)).unwrap();
-    let ideal = table.set(&change("sensor.kind", "ideal".into()), |_| Ok(())).unwrap();
+    let ideal = table.set(&change("sensor.kind", "ideal".into()), |_, _| Ok(())).unwrap();
     table.start(follow_ups(&table, &ideal)).unwrap();
     assert_eq!(Settings::of(&table).sensor, SensorConfig::ideal(30.0));
     let both = [change("sensor.kind", "kinect".into()), change("sensor.swap_rate", 9.into())];
-    let both = table.set(&both.concat(), |_| Ok(())).unwrap();
+    let both = table.set(&both.concat(), |_, _| Ok(())).unwrap();
     table.start(follow_ups(&table, &both)).unwrap();
     let expected = SensorConfig { swap_rate: 9.0, ..SensorConfig::kinect(30.0) };
     assert_eq!(Settings::of(&table).sensor, expected);

@@ -74,14 +74,13 @@ impl Subscriptions {
 
     /// Puts into the inbox all that has come in; says whether somebody is seen.
     pub(super) fn drain(&mut self, inbox: &Inbox, logger: &str) -> bool {
-        let complain = |topic: &str, problem: &dyn std::fmt::Display| {
+        let mut complain = |topic: &str, problem: &dyn std::fmt::Display| {
             let text = format!("{topic}: {problem}");
             if self.complaints.is_due() {
                 r2r::log_warn!(logger, "not taken: {text}");
             }
             inbox.refuse(text);
         };
-        let mut complain = complain;
         let mut sees = false;
         if let Some(skeleton) = &mut self.skeleton {
             skeleton.each(&mut complain, |message, complain| {
