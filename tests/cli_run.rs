@@ -9,6 +9,8 @@
 mod clips;
 #[allow(dead_code, reason = "other tests use the rest")]
 mod common;
+#[path = "common/sqlite.rs"]
+mod sqlite;
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -17,6 +19,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use clips::{clips, keys};
+use handover_mesh::formats::{UpAxis, bag, csv};
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -118,6 +121,31 @@ fn a_run_that_fails_leaves_the_last_results() {
     run(&folder, &["clips", "--methods", "knn", "-q"], 0, &[]);
     let new = results();
     assert!(last != new && last.keys().eq(new.keys()), "{:?}", new.keys());
+}
+
+#[test]
+fn bags_are_replayed_as_clips_are() {
+    let folder = checkout(3);
+    for ending in ["mcap", "bag", "db3"] {
+        let bags = folder.path().join(ending);
+        fs::create_dir(&bags).unwrap();
+        for number in 0..3 {
+            let name = format!("{ending}/{number}.{ending}");
+            let clip = format!("clips/{number}.csv");
+            if ending != "db3" {
+                common::check(&folder, &["import", &clip, &name], 0, &[]);
+                continue;
+            }
+            let bytes = fs::read(folder.path().join(clip)).unwrap();
+            let recording = csv::read(&bytes, "clip", UpAxis::Z).unwrap();
+            let written = bag::write(&recording, "clip_0.mcap").unwrap();
+            sqlite::sqlite_of(&written.mcap, &written.metadata, &folder.path().join(name));
+        }
+        let words = format!("replay.jsonl, from {ending}/0.{ending}");
+        run(&folder, &[ending, "--methods", "hold", "-q"], 0, &[&words]);
+        let trace = fs::read(folder.path().join("build/run/replay.jsonl")).unwrap();
+        assert!(trace.len() > 10_000, "{ending}");
+    }
 }
 
 #[test]

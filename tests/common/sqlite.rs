@@ -33,6 +33,6 @@ pub(crate) fn sqlite_of(mcap: &[u8], metadata: &str, path: &Path) {
         database.execute(insert, (id, raw.time.0, raw.data)).unwrap();
     })
     .unwrap();
-    database.execute("INSERT INTO metadata VALUES (1, 9, ?1)", [metadata]).unwrap();
+    database.execute("INSERT INTO metadata VALUES (1, 8, ?1)", [metadata]).unwrap();
     database.execute_batch("COMMIT").unwrap();
 }

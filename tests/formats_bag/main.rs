@@ -3,6 +3,8 @@
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking")]
 
+#[path = "../common/python.rs"]
+mod common_python;
 mod hostile;
 mod live;
 mod python;

@@ -1,13 +1,8 @@
 //! Python's `rosbags`, with nothing of ours, reads every message that we write, and we read what it
 //! writes: MCAP and SQLite3, compressed and not.
-//!
-//! Needs `python3` (or what `HANDOVER_PYTHON` names) with the packages of `requirements.txt`, as
-//! `.ci/run` makes it. Without them the tests say so and pass, unless `CI` is `true`.
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
-use std::process::Command;
 
 use handover_mesh::Stamp;
 use handover_mesh::formats::bag::{self, File, Writer};
@@ -19,6 +14,7 @@ use handover_mesh::messages::{
 };
 use serde_json::{Value, json};
 
+use super::common_python::run;
 use super::scenes::{Sent, recording};
 
 /// Prints every message of the bag `made`, and what the bag says of its topics.
@@ -56,8 +52,18 @@ with Reader("made") as bag:
         qos = connection.ext.offered_qos_profiles[0]
         topics.append([connection.topic, connection.msgcount, same, qos.durability.name])
     text = Path("made/metadata.yaml").read_text("utf8")
-    custom = YAML(typ="safe").load(text)["rosbag2_bagfile_information"]["custom_data"]
-    print(json.dumps({"messages": messages, "topics": topics, "custom": custom,
+    metadata = YAML(typ="safe").load(text)["rosbag2_bagfile_information"]
+    # Humble takes nothing but a text here, and nothing but numbers in it.
+    kinds = set()
+    for topic in metadata["topics_with_message_count"]:
+        text = topic["topic_metadata"]["offered_qos_profiles"]
+        assert isinstance(text, str), text
+        quality, = YAML(typ="safe").load(text)
+        kinds |= {type(quality[name]).__name__ for name in
+                  ["history", "depth", "reliability", "durability", "liveliness"]}
+    assert kinds == {"int"}, kinds
+    print(json.dumps({"messages": messages, "topics": topics, "custom": metadata["custom_data"],
+                      "version": metadata["version"], "distribution": bag.ros_distro,
                       "count": bag.message_count, "duration": bag.duration}))
 "#;
 
@@ -73,17 +79,20 @@ from rosbags.typesys import Stores, get_typestore
 store = get_typestore(Stores.ROS2_JAZZY)
 text = Path("made/metadata.yaml").read_text("utf8")
 custom = YAML(typ="safe").load(text)["rosbag2_bagfile_information"]["custom_data"]
+# Metadata of both versions that there are of qualities: as a text, and as a list.
 ways = {
-    "mcap": (StoragePlugin.MCAP, None),
-    "mcap_zstd": (StoragePlugin.MCAP, CompressionMode.STORAGE),
-    "sqlite": (StoragePlugin.SQLITE3, None),
-    "sqlite_message": (StoragePlugin.SQLITE3, CompressionMode.MESSAGE),
-    "sqlite_file": (StoragePlugin.SQLITE3, CompressionMode.FILE),
-    "mcap_file": (StoragePlugin.MCAP, CompressionMode.FILE),
+    "mcap": (StoragePlugin.MCAP, None, 9),
+    "mcap_8": (StoragePlugin.MCAP, None, 8),
+    "mcap_zstd": (StoragePlugin.MCAP, CompressionMode.STORAGE, 9),
+    "sqlite": (StoragePlugin.SQLITE3, None, 9),
+    "sqlite_8": (StoragePlugin.SQLITE3, None, 8),
+    "sqlite_message": (StoragePlugin.SQLITE3, CompressionMode.MESSAGE, 9),
+    "sqlite_file": (StoragePlugin.SQLITE3, CompressionMode.FILE, 9),
+    "mcap_file": (StoragePlugin.MCAP, CompressionMode.FILE, 9),
 }
-for name, (plugin, mode) in ways.items():
+for name, (plugin, mode, version) in ways.items():
     with Reader("made") as bag:
-        out = Writer(Path(name), version=9, storage_plugin=plugin)
+        out = Writer(Path(name), version=version, storage_plugin=plugin)
         if mode:
             out.set_compression(mode, CompressionFormat.ZSTD)
         for key, value in custom.items():
@@ -118,41 +127,9 @@ Path("lz4.mcap").write_bytes(out)
 print(chunks)
 "#;
 
-/// An interpreter that has the packages; none, loudly, where there is none.
-pub(crate) fn python() -> Option<String> {
-    let named = std::env::var("HANDOVER_PYTHON").ok().filter(|name| !name.is_empty());
-    let mut python = named.unwrap_or_else(|| "python3".to_owned());
-    // The scripts run elsewhere. A link stays one: that is how Python knows its packages.
-    if python.contains('/') {
-        python = std::path::absolute(python).unwrap().to_str().unwrap().to_owned();
-    }
-    let found = Command::new(&python).args(["-c", "import numpy, rosbags, lz4"]).output();
-    if found.is_ok_and(|output| output.status.success()) {
-        return Some(python);
-    }
-    let missing = format!(
-        "no Python with numpy and rosbags ({python}); .ci/run makes one, HANDOVER_PYTHON names \
-         another"
-    );
-    let in_ci = std::env::var("CI").is_ok_and(|value| value == "true");
-    assert!(!in_ci, "{missing}");
-    say(&format!("SKIPPED: bags in Python: {missing}"));
-    None
-}
-
-/// On the real stderr: what a passing test prints is otherwise kept from the reader.
-fn say(text: &str) {
-    use std::io::Write as _;
-    let _ = writeln!(std::io::stderr(), "{text}");
-}
-
-/// Runs a script in a folder; what it prints.
-#[track_caller]
-fn run(python: &str, script: &str, folder: &Path) -> String {
-    let output = Command::new(python).args(["-c", script]).current_dir(folder).output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
-    String::from_utf8(output.stdout).unwrap()
+/// Who reads and writes bags.
+fn python() -> Option<String> {
+    super::common_python::python("numpy, rosbags, lz4", "bags")
 }
 
 fn sent<M: Message>(topic: &str, stamp: i64, message: &M) -> (Sent, Value) {
@@ -250,6 +227,7 @@ fn python_reads_every_type_of_message() {
     fs::write(here.path().join("made/metadata.yaml"), written.metadata).unwrap();
     let found: Value = serde_json::from_str(&run(&python, DUMP, here.path())).unwrap();
     assert_eq!(found["custom"]["words"], words);
+    assert_eq!((&found["version"], &found["distribution"]), (&json!(8), &json!("iron")));
     assert_eq!((&found["count"], &found["duration"]), (&json!(9), &json!(9)));
     for (at, ((topic, type_name, time, _), message)) in messages.iter().enumerate() {
         let [name, kind, stamp, content, again] = &found["messages"][at].as_array().unwrap()[..]
@@ -286,8 +264,10 @@ fn what_python_writes_is_the_same_recording() {
     };
     for (name, format) in [
         ("mcap", Format::Mcap),
+        ("mcap_8", Format::Mcap),
         ("mcap_zstd", Format::Mcap),
         ("sqlite", Format::Sqlite),
+        ("sqlite_8", Format::Sqlite),
         ("sqlite_message", Format::Sqlite),
         ("sqlite_file", Format::Sqlite),
         ("mcap_file", Format::Mcap),

@@ -54,6 +54,32 @@ fn a_database_cut_anywhere_gives_what_is_whole() {
 }
 
 #[test]
+fn rows_of_topics_that_nobody_defined_are_counted() {
+    let here = tempfile::tempdir().unwrap();
+    let path = here.path().join("clip.db3");
+    fs::write(&path, whole()).unwrap();
+    let database = Connection::open(&path).unwrap();
+    // The cup is forgotten, and two rows are of somebody who never was.
+    let forget = "
+        DELETE FROM topics WHERE name = '/cup/object_pose';
+        INSERT INTO messages (topic_id, timestamp, data) VALUES (77, 1, x'00'), (77, 2, x'');";
+    database.execute_batch(forget).unwrap();
+    drop(database);
+    let found = read(&fs::read(path).unwrap()).unwrap();
+    let losses: Vec<String> = found.losses.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        losses,
+        [
+            "clip.mcap: 150 messages are of topic 3, which the file does not define",
+            "clip.mcap: 2 messages are of topic 77, which the file does not define",
+        ]
+    );
+    let before = recording(150, BTreeMap::new());
+    assert_eq!(found.recording.people(), before.people());
+    assert!(found.recording.object().is_none());
+}
+
+#[test]
 fn what_is_no_plain_table_is_not_asked() {
     let here = tempfile::tempdir().unwrap();
     let path = here.path().join("endless.db3");

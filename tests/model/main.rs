@@ -6,6 +6,8 @@
 mod cli;
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../common/python.rs"]
+mod common_python;
 mod files;
 mod hostile;
 mod memory;

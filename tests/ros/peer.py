@@ -14,6 +14,7 @@ from rclpy.parameter import Parameter as Value
 from rclpy.parameter import parameter_value_to_python
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
+from rclpy.subscription import Subscription
 
 from processes import wait_for
 
@@ -22,6 +23,10 @@ SENSOR = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 RELIABLE = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE,
                      durability=DurabilityPolicy.TRANSIENT_LOCAL)
+# To hear all that was said, however late this process is: such a listener goes with any publisher,
+# the second with reliable ones.
+DEEP = QoSProfile(depth=2000, reliability=ReliabilityPolicy.BEST_EFFORT)
+DEEP_RELIABLE = QoSProfile(depth=2000, reliability=ReliabilityPolicy.RELIABLE)
 
 TRANSITIONS = {
     "configure": Transition.TRANSITION_CONFIGURE,
@@ -35,15 +40,34 @@ TRANSITIONS = {
 
 
 class Heard:
-    """What came on one topic: `(arrival [ns, monotonic], message)`, the oldest first."""
+    """What came on one topic: `(sent [ns, wall clock], message)`, the oldest first.
+
+    Sent is by the publisher, so that it says nothing of how late this process is.
+    """
 
     def __init__(self, kept):
         self.entries = collections.deque(maxlen=kept)
         self.count = 0
 
-    def __call__(self, message):
-        self.entries.append((time.monotonic_ns(), message))
+    def with_information(self, message, information):
+        self._keep(information["source_timestamp"] or time.time_ns(), message)
+
+    def without(self, message):
+        self._keep(time.time_ns(), message)
+
+    def _keep(self, sent, message):
+        self.entries.append((sent, message))
         self.count += 1
+
+    @property
+    def callback(self):
+        """What a subscription calls: Humble's say nothing of who sent when."""
+        tells = hasattr(Subscription, "CallbackType")
+        return self.with_information if tells else self.without
+
+    @property
+    def sent(self):
+        return [sent for sent, _ in list(self.entries)]
 
     @property
     def messages(self):
@@ -93,7 +117,7 @@ class Peer:
     def listen(self, kind, topic, qos=RELIABLE, kept=100_000):
         """Hears a topic from now on."""
         heard = Heard(kept)
-        self.node.create_subscription(kind, topic, heard, qos)
+        self.node.create_subscription(kind, topic, heard.callback, qos)
         return heard
 
     def publisher(self, kind, topic, qos=SENSOR, subscribers=0, seconds=10.0):

@@ -69,9 +69,9 @@ class Recorder:
         return sum(name == topic for _, name, _ in list(self.heard))
 
     def write(self, folder):
-        """Writes all of it as a bag of ROS 2, stored as MCAP."""
+        """Writes all of it as a bag of ROS 2, stored as MCAP, in the version that Humble reads too."""
         types = get_typestore(Stores.ROS2_JAZZY)
-        with Writer(folder, version=9, storage_plugin=StoragePlugin.MCAP) as bag:
+        with Writer(folder, version=8, storage_plugin=StoragePlugin.MCAP) as bag:
             connections = {}
             for stamp, topic, data in self.heard:
                 if topic not in connections:

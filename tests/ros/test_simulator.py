@@ -1,6 +1,5 @@
 """`handover_sim node` as a process: what is heard of it, asked of it, and what is left of it."""
 
-import csv
 import math
 import pathlib
 import signal
@@ -22,14 +21,11 @@ from sensor_msgs.msg import MultiDOFJointState
 from std_msgs.msg import Bool
 from visualization_msgs.msg import MarkerArray
 
-from peer import LATCHED, RELIABLE, SENSOR
+from handover import RECEIVER, nanoseconds
+from peer import DEEP, LATCHED, RELIABLE
 from processes import wait_for
 
 NODE = "/handover_sim"
-
-
-def nanoseconds(stamp):
-    return stamp.sec * 10**9 + stamp.nanosec
 
 
 def stamps(messages):
@@ -46,33 +42,19 @@ def simulator(programs):
     return start
 
 
-@pytest.fixture
-def clip(recordings):
-    """A file to play, its times [s] and the partner's joints, by name, in each frame [m]."""
-    path = sorted(recordings.glob("*.csv"))[0]
-    frames = {}
-    with open(path) as text:
-        for row in csv.DictReader(line for line in text if not line.startswith("#")):
-            if row["person"] == "receiver":
-                place = [float(row[axis]) for axis in "xyz"]
-                frames.setdefault(float(row["time_s"]), {})[row["joint"]] = place
-    times = sorted(frames)
-    return path, times, [frames[time] for time in times]
-
-
 def is_over(ros):
     finished = ros.listen(Bool, f"{NODE}/finished", LATCHED)
     wait_for(lambda: finished.last is not None and finished.last.data, 20.0, "the end")
 
 
 def test_a_recording_is_heard_as_it_is(simulator, ros, clip):
-    path, times, joints = clip
-    partner = ros.listen(MultiDOFJointState, "skeleton", SENSOR)
-    robot = ros.listen(MultiDOFJointState, "robot_skeleton", SENSOR)
-    objects = ros.listen(PoseStamped, "object_pose", SENSOR)
-    markers = ros.listen(MarkerArray, "skeleton_markers", RELIABLE)
+    times, joints = clip.times, [people[RECEIVER] for people in clip.people]
+    partner = ros.listen(MultiDOFJointState, "skeleton", DEEP)
+    robot = ros.listen(MultiDOFJointState, "robot_skeleton", DEEP)
+    objects = ros.listen(PoseStamped, "object_pose", DEEP)
+    markers = ros.listen(MarkerArray, "skeleton_markers", DEEP)
     before = time.time_ns()
-    process = simulator(recording=str(path), markers=True, body=3, world_frame="map")
+    process = simulator(recording=str(clip.path), markers=True, body=3, world_frame="map")
     is_over(ros)
     heard = partner.messages
     # Best effort: this machine may be busy.
@@ -90,10 +72,10 @@ def test_a_recording_is_heard_as_it_is(simulator, ros, clip):
             place = transform.translation
             assert [place.x, place.y, place.z] == places[name]
             assert transform.rotation.w == 1.0
-    late = [arrival for arrival, _ in partner.entries]
+    # By the times at which the simulator sent them: this process may be late.
     late = [b - a - (d - c) for a, b, c, d in
-            zip(late, late[1:], stamps(heard), stamps(heard)[1:], strict=False)]
-    print("jitter of arrival [ms]: median", statistics.median(map(abs, late)) / 1e6,
+            zip(partner.sent, partner.sent[1:], stamps(heard), stamps(heard)[1:], strict=False)]
+    print("jitter of sending [ms]: median", statistics.median(map(abs, late)) / 1e6,
           "most", max(map(abs, late)) / 1e6)
     assert statistics.median(map(abs, late)) < 5e6
     assert abs(robot.count - len(times)) <= 3 and abs(objects.count - len(times)) <= 3
@@ -117,7 +99,7 @@ def test_transforms_are_sent_or_said_to_be_missing(simulator, ros):
 
 
 def test_without_transforms_the_rest_goes_on(simulator, ros):
-    heard = ros.listen(MultiDOFJointState, "skeleton", SENSOR)
+    heard = ros.listen(MultiDOFJointState, "skeleton", DEEP)
     process = simulator(start_delay=0.0, loop=True)
     heard.wait(5)
     assert process.stderr().count("no /tf") <= 1
@@ -140,7 +122,7 @@ def test_quality_of_the_topics(simulator, ros):
 
 
 def test_four_times_as_fast_and_again_and_again(simulator, ros):
-    heard = ros.listen(MultiDOFJointState, "skeleton", SENSOR)
+    heard = ros.listen(MultiDOFJointState, "skeleton", DEEP)
     simulator(speed=4.0, loop=True, pause=0.5, seed=2, robot_skeleton=False)
     wait_for(lambda: any(b - a > 4e8 for a, b in zip(stamps(heard.messages),
                                                      stamps(heard.messages)[1:])),
@@ -149,14 +131,14 @@ def test_four_times_as_fast_and_again_and_again(simulator, ros):
     gaps = [(b - a) / 1e9 for a, b in zip(stamps(heard.messages), stamps(heard.messages)[1:])]
     assert statistics.median(gaps) == pytest.approx(1 / 120, abs=1e-6)
     assert max(gaps) == pytest.approx(0.5, abs=0.05)
-    assert ros.listen(MultiDOFJointState, "robot_skeleton", SENSOR).count == 0
+    assert ros.listen(MultiDOFJointState, "robot_skeleton", DEEP).count == 0
     assert "/robot_skeleton" not in {name for name, _ in
                                      ros.node.get_publisher_names_and_types_by_node(
                                          "handover_sim", "/")}
 
 
 def test_another_rate(simulator, ros):
-    heard = ros.listen(MultiDOFJointState, "skeleton", SENSOR)
+    heard = ros.listen(MultiDOFJointState, "skeleton", DEEP)
     simulator(rate=100.0, start_delay=0.5)
     heard.wait(100)
     gaps = [(b - a) / 1e9 for a, b in zip(stamps(heard.messages), stamps(heard.messages)[1:])]
@@ -164,15 +146,15 @@ def test_another_rate(simulator, ros):
 
 
 def test_a_clock_of_its_own(simulator, ros):
-    clock = ros.listen(Clock, "/clock", RELIABLE)
-    heard = ros.listen(MultiDOFJointState, "skeleton", SENSOR)
+    clock = ros.listen(Clock, "/clock", DEEP)
+    heard = ros.listen(MultiDOFJointState, "skeleton", DEEP)
     simulator(clock=True, clock_start=50.0, speed=2.0, start_delay=2.0)
     heard.wait(60)
     times = [nanoseconds(message.clock) for message in clock.messages]
     assert times == sorted(times)
     assert 50e9 <= times[0] < 52e9 and stamps(heard.messages)[0] >= 52e9
     # Twice as fast as the world, while frames keep their distance.
-    (begin, _), (end, _) = clock.entries[0], clock.entries[-1]
+    begin, end = clock.sent[0], clock.sent[-1]
     assert (times[-1] - times[0]) / (end - begin) == pytest.approx(2.0, rel=0.05)
     gaps = [b - a for a, b in zip(stamps(heard.messages), stamps(heard.messages)[1:])]
     assert statistics.median(gaps) == pytest.approx(1e9 / 30, rel=1e-3)
@@ -190,7 +172,7 @@ def test_a_clock_of_its_own(simulator, ros):
 
 
 def test_time_of_somebody_else(simulator, ros):
-    heard = ros.listen(MultiDOFJointState, "skeleton", SENSOR)
+    heard = ros.listen(MultiDOFJointState, "skeleton", DEEP)
     simulator(use_sim_time=True, start_delay=0.1, tf=False)
     clock = ros.publisher(Clock, "/clock", RELIABLE, subscribers=1)
     time.sleep(0.5)
@@ -206,8 +188,8 @@ def test_time_of_somebody_else(simulator, ros):
 
 
 def test_faults_are_switched_by_parameters(simulator, ros):
-    heard = ros.listen(MultiDOFJointState, "skeleton", SENSOR)
-    robot = ros.listen(MultiDOFJointState, "robot_skeleton", SENSOR)
+    heard = ros.listen(MultiDOFJointState, "skeleton", DEEP)
+    robot = ros.listen(MultiDOFJointState, "robot_skeleton", DEEP)
     simulator(loop=True, pause=0.0, start_delay=0.5, sensor__kind="kinect")
     heard.wait(10)
     kinect = ros.get_parameters(NODE, "sensor.kind", "sensor.frame_loss", "sensor.joint_noise")
@@ -238,7 +220,7 @@ def test_faults_are_switched_by_parameters(simulator, ros):
 
 
 def test_paused_and_faster_while_it_runs(simulator, ros):
-    heard = ros.listen(MultiDOFJointState, "skeleton", SENSOR)
+    heard = ros.listen(MultiDOFJointState, "skeleton", DEEP)
     simulator(loop=True, start_delay=0.2, rate=50.0, pause=0.0)
     heard.wait(10)
     assert ros.set_parameters(NODE, paused=True) == {"paused": (True, "")}
@@ -336,7 +318,7 @@ def test_malformed_arguments_are_said(programs, arguments, words):
 
 
 def test_what_yaml_takes_for_a_truth_is_a_choice(simulator, ros, clip):
-    simulator(recording=str(clip[0]), up="y")
+    simulator(recording=str(clip.path), up="y")
     assert ros.get_parameters(NODE, "up") == ["y"]
 
 
@@ -344,8 +326,8 @@ def test_a_name_and_a_namespace(programs, ros):
     programs.start("handover_sim", "node", name="camera", namespace="/left",
                    parameters={"loop": True, "start_delay": 0.0},
                    remap={"skeleton": "/somebody"})
-    assert ros.listen(MultiDOFJointState, "/somebody", SENSOR).wait(3)
-    assert ros.listen(MultiDOFJointState, "/left/robot_skeleton", SENSOR).wait(3)
+    assert ros.listen(MultiDOFJointState, "/somebody", DEEP).wait(3)
+    assert ros.listen(MultiDOFJointState, "/left/robot_skeleton", DEEP).wait(3)
     assert ros.get_parameters("/left/camera", "loop") == [True]
 
 
@@ -371,7 +353,7 @@ def test_a_signal_ends_it_clean(simulator, ros, number, paused):
 
 def test_standing_by_costs_little(simulator, ros):
     process = simulator(loop=True)
-    ros.listen(MultiDOFJointState, "skeleton", SENSOR).wait(5)
+    ros.listen(MultiDOFJointState, "skeleton", DEEP).wait(5)
 
     def used():
         words = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rsplit(")", 1)[1].split()

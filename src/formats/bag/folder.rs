@@ -74,7 +74,8 @@ pub(super) struct TopicEntry<'a> {
     pub(super) messages: u64,
 }
 
-/// Metadata of version 9, which Jazzy and Kilted write, Humble reads.
+/// Metadata of version 8: the newest in which the quality of a topic is a text, the only form that
+/// Humble takes; Jazzy and Kilted, which write version 9, read it by its version.
 ///
 /// - `between`: the first and the last message's time.
 pub(super) fn text(
@@ -88,7 +89,7 @@ pub(super) fn text(
     let messages: u64 = topics.iter().map(|topic| topic.messages).sum();
     let file = quoted(file);
     let mut text = format!(
-        "version: 9\nstorage_identifier: mcap\nduration:\n  nanoseconds: {duration}\n\
+        "version: 8\nstorage_identifier: mcap\nduration:\n  nanoseconds: {duration}\n\
          starting_time:\n  nanoseconds_since_epoch: {start}\nmessage_count: {messages}\n\
          topics_with_message_count:\n"
     );
@@ -97,11 +98,11 @@ pub(super) fn text(
         let _ = write!(
             text,
             "  - topic_metadata:\n      name: {}\n      type: {}\n      \
-             serialization_format: cdr\n      offered_qos_profiles:\n{}      \
+             serialization_format: cdr\n      offered_qos_profiles: {}\n      \
              type_description_hash: {}\n    message_count: {}\n",
             quoted(topic.name),
             topic.type_name,
-            indented(&qos(topic.latched), 8),
+            quoted(&qos(topic.latched)),
             topic.hash,
             topic.messages
         );
@@ -120,8 +121,8 @@ pub(super) fn text(
             let _ = writeln!(text, "  {}: {}", quoted(key), quoted(value));
         }
     }
-    // Which of them it was makes no difference to who reads it.
-    text.push_str("ros_distro: jazzy\n");
+    // Whose version 8 is; which it was makes no difference to who reads it.
+    text.push_str("ros_distro: iron\n");
     text
 }
 
@@ -131,12 +132,19 @@ pub(super) fn as_file(text: &str) -> String {
 }
 
 /// Reliable, as recorders of our topics may ask for; latched: whoever comes later hears the last.
+///
+/// Policies by the numbers that rmw gives them, as all versions before 9 have them.
 pub(super) fn qos(latched: bool) -> String {
-    let durability = if latched { "transient_local" } else { "volatile" };
+    const KEEP_LAST: u8 = 1;
+    const RELIABLE: u8 = 1;
+    const TRANSIENT_LOCAL: u8 = 1;
+    const VOLATILE: u8 = 2;
+    const AUTOMATIC: u8 = 1;
+    let durability = if latched { TRANSIENT_LOCAL } else { VOLATILE };
     let endless = "sec: 9223372036\n    nsec: 854775807";
     format!(
-        "- history: keep_last\n  depth: 10\n  reliability: reliable\n  durability: {durability}\n  \
-         deadline:\n    {endless}\n  lifespan:\n    {endless}\n  liveliness: automatic\n  \
+        "- history: {KEEP_LAST}\n  depth: 10\n  reliability: {RELIABLE}\n  durability: {durability}\n  \
+         deadline:\n    {endless}\n  lifespan:\n    {endless}\n  liveliness: {AUTOMATIC}\n  \
          liveliness_lease_duration:\n    {endless}\n  avoid_ros_namespace_conventions: false\n"
     )
 }
@@ -152,6 +160,7 @@ fn quoted(text: &str) -> String {
     for letter in text.chars() {
         match letter {
             '"' | '\\' => quoted.extend(['\\', letter]),
+            '\n' => quoted.push_str("\\n"),
             ' '..='~' => quoted.push(letter),
             // Writing to a String cannot fail.
             _ => drop(write!(quoted, "\\U{:08X}", u32::from(letter))),
@@ -188,6 +197,63 @@ mod tests {
             assert_eq!(file_names(&text).unwrap(), ["a \"b\"_0.mcap"]);
         }
         assert!(custom_data(&text("a", &[], [Stamp(0); 2], &BTreeMap::new())).is_empty());
+    }
+
+    /// What Humble's reader asks of a topic, by type: it converts nothing.
+    #[test]
+    fn humble_finds_the_types_it_expects() {
+        #[derive(Deserialize)]
+        struct Bag {
+            version: u32,
+            topics_with_message_count: Vec<Topic>,
+            ros_distro: String,
+        }
+        #[derive(Deserialize)]
+        struct Topic {
+            topic_metadata: Metadata,
+        }
+        #[derive(Deserialize)]
+        struct Metadata {
+            offered_qos_profiles: String,
+            type_description_hash: String,
+        }
+        #[derive(Deserialize, Debug, PartialEq)]
+        struct Quality {
+            history: i32,
+            depth: i32,
+            reliability: i32,
+            durability: i32,
+            deadline: BTreeMap<String, u64>,
+            liveliness: i32,
+            avoid_ros_namespace_conventions: bool,
+        }
+        let of = |name, latched| TopicEntry {
+            name,
+            type_name: "std_msgs/msg/String",
+            hash: "RIHS01_0",
+            latched,
+            messages: 3,
+        };
+        let topics = [of("/a", true), of("/b", false)];
+        let text = text("a_0.mcap", &topics, [Stamp(5), Stamp(9)], &BTreeMap::new());
+        let bag: Bag = serde_saphyr::from_str(&text).unwrap();
+        assert_eq!((bag.version, bag.ros_distro.as_str()), (8, "iron"));
+        for (topic, durability) in bag.topics_with_message_count.iter().zip([1, 2]) {
+            let Metadata { offered_qos_profiles, type_description_hash } = &topic.topic_metadata;
+            assert_eq!(type_description_hash, "RIHS01_0");
+            let found: Vec<Quality> = serde_saphyr::from_str(offered_qos_profiles).unwrap();
+            let endless = [("sec", 9_223_372_036), ("nsec", 854_775_807)];
+            let expected = Quality {
+                history: 1,
+                depth: 10,
+                reliability: 1,
+                durability,
+                deadline: endless.map(|(key, value)| (key.to_owned(), value)).into(),
+                liveliness: 1,
+                avoid_ros_namespace_conventions: false,
+            };
+            assert_eq!(found, [expected], "{text}");
+        }
     }
 
     #[test]

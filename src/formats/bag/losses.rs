@@ -30,6 +30,23 @@ pub enum Loss {
         /// What is wrong with it.
         reason: String,
     },
+    /// What of a chunk stands behind a record that is not whole.
+    #[error(
+        "{file}, chunk {number} at byte {at}: its last {left} bytes, behind {messages} messages that \
+         are whole, begin with a record that is damaged; they are lost"
+    )]
+    Rest {
+        /// Which file.
+        file: String,
+        /// Which chunk, counted from 1.
+        number: u64,
+        /// Where it begins.
+        at: u64,
+        /// How many bytes are lost, as they came out of the chunk.
+        left: u64,
+        /// How many of the chunk's messages are whole.
+        messages: u64,
+    },
     /// Messages of which nobody says what they are.
     #[error("{file}: {messages} messages are of channel {channel}, which the file does not define")]
     Channel {
@@ -37,6 +54,16 @@ pub enum Loss {
         file: String,
         /// The channel's number.
         channel: u16,
+        /// How many.
+        messages: u64,
+    },
+    /// Rows of which nobody says what they are.
+    #[error("{file}: {messages} messages are of topic {topic}, which the file does not define")]
+    Topic {
+        /// Which file.
+        file: String,
+        /// The topic's number.
+        topic: i64,
         /// How many.
         messages: u64,
     },

@@ -143,8 +143,17 @@ impl Walk<'_, '_> {
         let unpacked = self.unpacked(body, cut);
         match unpacked {
             Ok(bytes) => {
+                let (before, mut left) = (self.messages, bytes.len());
                 for (opcode, body) in records(&bytes) {
                     self.record(opcode, body);
+                    left -= HEAD + body.len();
+                }
+                // Without a checksum nothing else says that a length is not as it was written.
+                if left > 0 && !cut {
+                    let messages = self.messages - before;
+                    let (file, number) = (self.file.to_owned(), self.chunks);
+                    let (at, left) = (at as u64, left as u64);
+                    self.losses.add(Loss::Rest { file, number, at, left, messages });
                 }
             }
             // That it is cut is told anyway.

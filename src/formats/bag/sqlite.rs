@@ -31,17 +31,20 @@ pub(super) fn walk(
     losses: &mut Losses,
     each: &mut dyn FnMut(Event<'_>),
 ) {
-    let mut messages = 0;
+    let (mut messages, mut unknown) = (0, BTreeMap::new());
     let cut = cut_behind(bytes);
     let read = open(bytes).and_then(|database| {
         let topics = topics(&database, each)?;
-        rows(&database, bytes.len(), &topics, budget, &mut |event| {
+        rows(&database, bytes.len(), &topics, budget, &mut unknown, &mut |event| {
             messages += 1;
             each(event);
         })?;
         metadata(&database, each);
         Ok(())
     });
+    for (topic, messages) in unknown {
+        losses.add(Loss::Topic { file: file.to_owned(), topic, messages });
+    }
     let reason = match (read, cut) {
         (Ok(()), None) => return,
         (Ok(()), Some(cut)) => cut,
@@ -128,11 +131,13 @@ fn topics(database: &Connection, each: &mut dyn FnMut(Event<'_>)) -> Result<Topi
     Ok(topics)
 }
 
+/// - `unknown`: how many rows are of topics that nobody defined.
 fn rows(
     database: &Connection,
     length: usize,
     topics: &Topics,
     budget: &mut u64,
+    unknown: &mut BTreeMap<i64, u64>,
     each: &mut dyn FnMut(Event<'_>),
 ) -> Result<(), Fault> {
     check_plain(database, "messages")?;
@@ -148,7 +153,11 @@ fn rows(
         left = left
             .checked_sub(data.len().max(1))
             .ok_or_else(|| Fault::Other("more in it than it can hold".to_owned()))?;
-        let Some([topic, type_name, encoding]) = topics.get(&row.get(0)?) else { continue };
+        let number = row.get(0)?;
+        let Some([topic, type_name, encoding]) = topics.get(&number) else {
+            *unknown.entry(number).or_default() += 1;
+            continue;
+        };
         let time = Stamp(row.get(1)?);
         let unpacked;
         let mut data = data;
