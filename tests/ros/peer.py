@@ -99,19 +99,24 @@ class Peer:
         self._executor = SingleThreadedExecutor(context=self.context)
         self._executor.add_node(self.node)
         self._clients = {}
+        self._closing = False
         self._thread = threading.Thread(target=self._spin, daemon=True)
         self._thread.start()
 
     def _spin(self):
         try:
-            self._executor.spin()
+            while not self._closing:
+                self._executor.spin_once(timeout_sec=0.1)
         except ExternalShutdownException:
             pass
 
     def close(self):
+        # First the thread: an executor that is shut down while it calls back fails there.
+        self._closing = True
+        self._executor.wake()
+        self._thread.join(5.0)
         self._executor.shutdown(timeout_sec=5.0)
         rclpy.try_shutdown(context=self.context)
-        self._thread.join(5.0)
         self.node.destroy_node()
 
     def listen(self, kind, topic, qos=RELIABLE, kept=100_000):
