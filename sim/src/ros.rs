@@ -92,7 +92,7 @@ impl Broadcast {
         r2r::log_info!(node.logger(), "plays {what}: the partner is {partner}, the robot {robot}");
         Ok(Self {
             publishers: publishers(node, player.settings())?,
-            ros_clock: RosClock::of(node),
+            ros_clock: server.clock(),
             steady_clock: Clock::create(ClockType::SteadyTime)?,
             server,
             player,
@@ -154,6 +154,7 @@ impl Broadcast {
 
     /// Answers whoever asks for parameters, and plays on with those that have changed.
     fn serve(&mut self, node: &Node) -> Result<()> {
+        self.server.hear_time();
         // Whatever may be set at all may be set at any time.
         self.server.serve(node, |_, _| Ok(()));
         // What was set to what it was changes nothing here.

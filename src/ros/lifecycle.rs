@@ -23,12 +23,12 @@ pub(super) struct LifecycleServer {
 impl LifecycleServer {
     /// # Errors
     /// If a service cannot be offered.
-    pub(super) fn new(node: &mut Node) -> Result<Self> {
+    pub(super) fn new(node: &mut Node, clock: RosClock) -> Result<Self> {
         let quality = QosProfile::default();
         let events = node.create_publisher("~/transition_event", quality);
         Ok(Self {
             life: Lifecycle::default(),
-            clock: RosClock::of(node),
+            clock,
             events: events.context("~/transition_event")?,
             change: requests(node, "~/change_state")?,
             state: requests(node, "~/get_state")?,

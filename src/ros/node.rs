@@ -12,7 +12,7 @@ use super::inbox::Inbox;
 use super::lifecycle::{Asker, LifecycleServer};
 use super::load::{Loaded, Loading};
 use super::parameters::{ParameterServer, ParameterServerError, started_with};
-use super::shell::{RosClock, Stop};
+use super::shell::Stop;
 use super::subscriptions::Subscriptions;
 use super::ticker::{Command, Publishers, Ticker, Ticking};
 use super::triggers::{Asked, Triggers};
@@ -76,7 +76,7 @@ impl Handover {
         let subscriptions = Subscriptions::new(node, settings.source)?;
         let publishers = Publishers::new(node)?;
         let ticking = Ticking {
-            clock: RosClock::of(node),
+            clock: parameters.clock(),
             inbox: inbox.clone(),
             publishers,
             logger: logger.clone(),
@@ -85,7 +85,7 @@ impl Handover {
         };
         let ticker = Ticker::new(ticking)?;
         let mut handover = Self {
-            lifecycle: LifecycleServer::new(node)?,
+            lifecycle: LifecycleServer::new(node, parameters.clock())?,
             triggers: Triggers::new(node)?,
             loading: None,
             configured: None,
@@ -109,7 +109,9 @@ impl Handover {
             if self.ticker.is_dead() {
                 bail!("the ticking thread has ended by a bug: see above");
             }
-            if self.subscriptions.drain(&self.inbox, &self.logger) {
+            let [has_time, sees] =
+                [self.parameters.hear_time(), self.subscriptions.drain(&self.inbox, &self.logger)];
+            if has_time || sees {
                 self.ticker.wake();
             }
             self.serve(node);

@@ -2,13 +2,13 @@
 //!
 //! Whatever spins the node calls [`ParameterServer::serve`] after it; nothing here waits.
 
-use std::time::Duration;
-
 use anyhow::{Context, Result};
 use futures::{FutureExt, Stream, StreamExt};
 use r2r::rcl_interfaces::{msg, srv};
-use r2r::{Clock, Node, Publisher, QosProfile, ServiceRequest, WrappedServiceTypeSupport};
+use r2r::{Node, Publisher, QosProfile, ServiceRequest, WrappedServiceTypeSupport};
 
+use super::shell::{RosClock, TimeSource};
+use crate::messages::Time;
 use crate::parameters::{Bound, Parameter, ParameterTable, ParameterValue, Refusal, Refusals};
 
 /// What every node has: whether its time is that of `/clock`.
@@ -22,6 +22,7 @@ pub struct ParameterServer {
     changes: Vec<(String, ParameterValue)>,
     /// What somebody set, be it to what it was.
     set_names: Vec<String>,
+    time: TimeSource,
     node_name: String,
     events: Publisher<msg::ParameterEvent>,
     get: Requests<srv::GetParameters::Service>,
@@ -62,20 +63,18 @@ impl ParameterServer {
         );
         let mut table = ParameterTable::new(parameters);
         table.start(started_with(node))?;
-        if table.is_true(SIMULATED_TIME) {
-            let source = node.get_time_source();
-            source.enable_sim_time(node).context("simulated time")?;
-        }
-        Ok(Self::offer(node, table)?)
+        let time = TimeSource::new(node, table.is_true(SIMULATED_TIME))?;
+        Ok(Self::offer(node, table, time)?)
     }
 
-    fn offer(node: &mut Node, table: ParameterTable) -> Result<Self> {
+    fn offer(node: &mut Node, table: ParameterTable, time: TimeSource) -> Result<Self> {
         let events = node
             .create_publisher("/parameter_events", QosProfile::parameter_events())
             .context("/parameter_events")?;
         let server = Self {
             changes: Vec::new(),
             set_names: Vec::new(),
+            time,
             node_name: node.fully_qualified_name()?,
             events,
             get: requests(node, "~/get_parameters")?,
@@ -91,6 +90,16 @@ impl ParameterServer {
         let new_parameters = declared.map(to_message).collect();
         server.tell(node, msg::ParameterEvent { new_parameters, ..Default::default() });
         Ok(server)
+    }
+
+    /// What time it is to the node.
+    pub fn clock(&self) -> RosClock {
+        self.time.clock()
+    }
+
+    /// Hears what time it is, if it is simulated; says whether that has changed.
+    pub fn hear_time(&mut self) -> bool {
+        self.time.hear()
     }
 
     /// The parameters as they are.
@@ -227,20 +236,13 @@ impl ParameterServer {
 
     /// Nobody may be there to hear it.
     fn tell(&self, node: &Node, event: msg::ParameterEvent) {
-        let stamp = Clock::to_builtin_time(&ros_time(node));
+        let Time { sec, nanosec } = Time::of(self.clock().now());
+        let stamp = r2r::builtin_interfaces::msg::Time { sec, nanosec };
         let event = msg::ParameterEvent { stamp, node: self.node_name.clone(), ..event };
         if let Err(error) = self.events.publish(&event) {
             r2r::log_warn!(node.logger(), "/parameter_events: {error}");
         }
     }
-}
-
-/// The node's time: that of `/clock` if it is simulated, else since 1970.
-pub fn ros_time(node: &Node) -> Duration {
-    let clock = node.get_ros_clock();
-    // A poisoned clock is as good: nothing is left half done in it.
-    let mut clock = clock.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-    clock.get_now().unwrap_or_default()
 }
 
 /// Requests to one service, taken without waiting.

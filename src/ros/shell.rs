@@ -1,12 +1,15 @@
 //! What every node needs: a context, an end, a clock, bytes out.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::marker::PhantomData;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use anyhow::{Context as _, Result};
-use r2r::{Clock, Node, PublisherUntyped, QosProfile};
+use futures::{FutureExt as _, Stream, StreamExt as _};
+use r2r::{Node, PublisherUntyped, QosProfile};
 
-use crate::messages::{Message, encode};
+use crate::messages::{Clock, Message, decode, encode};
 use crate::time::Stamp;
 
 /// Set by SIGINT, SIGTERM and SIGHUP: whoever spins ends then, and the node is dropped in order, so
@@ -38,21 +41,90 @@ impl Stop {
 }
 
 /// A node's clock: that of `/clock` if its time is simulated, else the system's.
-#[derive(Clone)]
-pub struct RosClock(Arc<Mutex<Clock>>);
+#[derive(Debug, Clone)]
+pub struct RosClock(Option<Arc<AtomicI64>>);
 
 impl RosClock {
-    /// The clock of a node.
-    pub fn of(node: &Node) -> Self {
-        Self(node.get_ros_clock())
-    }
-
     /// Now; 0 before simulated time has begun.
     pub fn now(&self) -> Stamp {
-        // A poisoned clock is as good: nothing is left half done in it.
-        let mut clock = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let since = clock.get_now().unwrap_or_default();
+        if let Some(simulated) = &self.0 {
+            return Stamp(simulated.load(Ordering::Acquire));
+        }
+        #[expect(clippy::disallowed_methods, reason = "a shell: ROS time is the system's")]
+        let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         Stamp(i64::try_from(since.as_nanos()).unwrap_or(i64::MAX))
+    }
+}
+
+/// What a node's clock goes by.
+pub struct TimeSource {
+    clock: RosClock,
+    messages: Option<Messages<Clock>>,
+}
+
+impl TimeSource {
+    /// - `is_simulated`: whether time is that of `/clock`.
+    ///
+    /// # Errors
+    /// If `/clock` cannot be subscribed to.
+    pub fn new(node: &mut Node, is_simulated: bool) -> Result<Self> {
+        if !is_simulated {
+            return Ok(Self { clock: RosClock(None), messages: None });
+        }
+        // As rclcpp hears it.
+        let quality = QosProfile::default().keep_last(1).best_effort();
+        let messages = Messages::new(node, "/clock", quality)?;
+        let clock = RosClock(Some(Arc::default()));
+        Ok(Self { clock, messages: Some(messages) })
+    }
+
+    /// The clock.
+    pub fn clock(&self) -> RosClock {
+        self.clock.clone()
+    }
+
+    /// Hears what time it is; says whether that has changed.
+    pub fn hear(&mut self) -> bool {
+        let (Some(messages), Some(time)) = (&mut self.messages, &self.clock.0) else {
+            return false;
+        };
+        let before = time.load(Ordering::Acquire);
+        messages.each(&mut |_, _| {}, |message, _| {
+            time.store(message.clock.stamp().0, Ordering::Release);
+        });
+        time.load(Ordering::Acquire) != before
+    }
+}
+
+/// A topic's messages.
+pub(super) struct Messages<M> {
+    pub(super) topic: &'static str,
+    bytes: Box<dyn Stream<Item = Vec<u8>> + Unpin>,
+    message: PhantomData<fn() -> M>,
+}
+
+/// Hears of a topic and what is wrong with its message.
+pub(super) type Complain<'a> = dyn FnMut(&str, &dyn std::fmt::Display) + 'a;
+
+impl<M: Message> Messages<M> {
+    pub(super) fn new(node: &mut Node, topic: &'static str, quality: QosProfile) -> Result<Self> {
+        let bytes = node.subscribe_raw(topic, M::TYPE, quality);
+        let bytes = bytes.with_context(|| format!("{topic} ({})", M::TYPE))?;
+        Ok(Self { topic, bytes: Box::new(bytes), message: PhantomData })
+    }
+
+    /// Every message that has come in; bytes that are none are complained about.
+    pub(super) fn each(
+        &mut self,
+        complain: &mut Complain<'_>,
+        mut take: impl FnMut(M, &mut Complain<'_>),
+    ) {
+        while let Some(bytes) = self.bytes.next().now_or_never().flatten() {
+            match decode(&bytes) {
+                Ok(message) => take(message, complain),
+                Err(error) => complain(self.topic, &error),
+            }
+        }
     }
 }
 
@@ -60,7 +132,7 @@ impl RosClock {
 #[derive(Debug, Clone)]
 pub struct Publisher<M> {
     untyped: PublisherUntyped,
-    message: std::marker::PhantomData<fn(&M)>,
+    message: PhantomData<fn(&M)>,
 }
 
 impl<M: Message> Publisher<M> {
@@ -69,7 +141,7 @@ impl<M: Message> Publisher<M> {
     pub fn new(node: &mut Node, topic: &str, quality: QosProfile) -> Result<Self> {
         let untyped = node.create_publisher_untyped(topic, M::TYPE, quality);
         let untyped = untyped.with_context(|| format!("{topic} ({})", M::TYPE))?;
-        Ok(Self { untyped, message: std::marker::PhantomData })
+        Ok(Self { untyped, message: PhantomData })
     }
 
     /// Sends a message.

@@ -2,16 +2,14 @@
 
 use std::time::{Duration, Instant};
 
-use anyhow::{Context as _, Result};
-use futures::{FutureExt as _, Stream, StreamExt as _};
+use anyhow::Result;
 use r2r::{Node, QosProfile};
 
 use super::inbox::Inbox;
+use super::shell::Messages;
 use crate::bodies::{self, TransformAssembler};
 use crate::config::Source;
-use crate::messages::{
-    MarkerArray, Message, MultiDofJointState, PoseStamped, TransformTree, decode,
-};
+use crate::messages::{MarkerArray, MultiDofJointState, PoseStamped, TransformTree};
 
 /// Where frames are told that never move.
 const FIXED: &str = "/tf_static";
@@ -121,34 +119,6 @@ impl Subscriptions {
             });
         }
         sees
-    }
-}
-
-/// A topic's messages.
-struct Messages<M> {
-    topic: &'static str,
-    bytes: Box<dyn Stream<Item = Vec<u8>> + Unpin>,
-    message: std::marker::PhantomData<fn() -> M>,
-}
-
-/// Hears of a topic and what is wrong with its message.
-type Complain<'a> = dyn FnMut(&str, &dyn std::fmt::Display) + 'a;
-
-impl<M: Message> Messages<M> {
-    fn new(node: &mut Node, topic: &'static str, quality: QosProfile) -> Result<Self> {
-        let bytes = node.subscribe_raw(topic, M::TYPE, quality);
-        let bytes = bytes.with_context(|| format!("{topic} ({})", M::TYPE))?;
-        Ok(Self { topic, bytes: Box::new(bytes), message: std::marker::PhantomData })
-    }
-
-    /// Every message that has come in; bytes that are none are complained about.
-    fn each(&mut self, complain: &mut Complain<'_>, mut take: impl FnMut(M, &mut Complain<'_>)) {
-        while let Some(bytes) = self.bytes.next().now_or_never().flatten() {
-            match decode(&bytes) {
-                Ok(message) => take(message, complain),
-                Err(error) => complain(self.topic, &error),
-            }
-        }
     }
 }
 
