@@ -173,18 +173,18 @@ def test_a_clock_of_its_own(simulator, ros):
 
 def test_time_of_somebody_else(simulator, ros):
     heard = ros.listen(MultiDOFJointState, "skeleton", DEEP)
-    simulator(use_sim_time=True, start_delay=0.1, tf=False)
+    simulator(use_sim_time=True, start_delay=0.1, tf=False, listeners=1)
     clock = ros.publisher(Clock, "/clock", RELIABLE, subscribers=1)
     time.sleep(0.5)
     assert heard.count == 0, "there is no time yet"
-    for step in range(200):
+    for step in range(400):
         message = Clock()
         message.clock.sec, message.clock.nanosec = divmod(7 * 10**9 + step * 10**7, 10**9)
         clock.publish(message)
         time.sleep(0.005)
     heard.wait(30)
-    assert 7.05e9 < stamps(heard.messages)[0] < 7.3e9
-    assert stamps(heard.messages)[-1] <= 9e9
+    assert 7.05e9 < stamps(heard.messages)[0]
+    assert stamps(heard.messages)[-1] <= 11e9
 
 
 def test_faults_are_switched_by_parameters(simulator, ros):
