@@ -19,7 +19,10 @@ pub(crate) struct Node {
 /// Plays until a signal ends it.
 pub(crate) fn run(arguments: &Node) -> ExitCode {
     if let Some(stray) = stray(&arguments.ros) {
-        return complain(&format!("unexpected argument '{stray}'; hint: --ros-args first"), 2);
+        return complain(
+            &format!("unexpected argument '{stray}'; hint: --ros-args -p recording:=FILE"),
+            2,
+        );
     }
     #[cfg(feature = "ros")]
     return crate::ros::run();

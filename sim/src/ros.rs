@@ -8,7 +8,7 @@ use std::sync::PoisonError;
 use std::time::Duration;
 
 use anyhow::{Context as _, Result, anyhow};
-use handover_mesh::formats::{self, UpAxis, bag};
+use handover_mesh::formats::{self, Format, UpAxis, bag};
 use handover_mesh::parameters::{ParameterValue, Refusals};
 use handover_mesh::ros::context::{ArgumentsError, context};
 use handover_mesh::ros::parameters::{ParameterServer, ParameterServerError};
@@ -70,6 +70,8 @@ struct Broadcast {
     player: Player,
     /// Whether whoever has to listen does.
     is_begun: bool,
+    /// Whether the log has been told that all has been played.
+    is_over: bool,
     publishers: Vec<(Topic, PublisherUntyped)>,
     ros_clock: RosClock,
     steady_clock: Clock,
@@ -97,6 +99,7 @@ impl Broadcast {
             server,
             player,
             is_begun: false,
+            is_over: false,
         })
     }
 
@@ -110,6 +113,12 @@ impl Broadcast {
             if self.is_begun && (has_clock || now > Stamp(0)) {
                 for message in self.player.advance(now) {
                     self.send(&message)?;
+                }
+            }
+            if self.player.is_over() != self.is_over {
+                self.is_over = self.player.is_over();
+                if self.is_over {
+                    r2r::log_info!(node.logger(), "all has been played");
                 }
             }
             if self.player.is_over() && self.player.settings().exits_at_end {
@@ -200,21 +209,28 @@ fn source(settings: &Settings) -> Result<Source> {
 fn read(path: &Path, up: UpAxis) -> Result<Recording> {
     let at = || path.display().to_string();
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    if !path.is_dir() {
+    let (names, files, metadata) = if path.is_dir() {
+        let metadata = path.join(bag::METADATA_FILE);
+        let metadata = fs::read_to_string(&metadata)
+            .with_context(|| format!("{} is a folder, and no bag: name a file in it", at()))?;
+        let names = bag::file_names(&metadata).with_context(at)?;
+        let files = names.iter().map(|name| fs::read(path.join(name)).ok()).collect();
+        (names, files, Some(metadata))
+    } else {
         let bytes = fs::read(path).with_context(at)?;
-        return formats::read(&bytes, &name, up).map_err(|error| anyhow!("{}: {error}", at()));
-    }
-    let metadata = path.join(bag::METADATA_FILE);
-    let metadata = fs::read_to_string(&metadata).with_context(|| metadata.display().to_string())?;
-    let names = bag::file_names(&metadata).with_context(at)?;
-    let files: Vec<Option<Vec<u8>>> =
-        names.iter().map(|name| fs::read(path.join(name)).ok()).collect();
+        let format = formats::detect(&bytes).map_err(|error| anyhow!("{}: {error}", at()))?;
+        if !matches!(format, Format::Mcap | Format::Sqlite) {
+            return formats::read(&bytes, &name, up).map_err(|error| anyhow!("{}: {error}", at()));
+        }
+        (vec![at()], vec![Some(bytes)], None::<String>)
+    };
+    let files: &Vec<Option<Vec<u8>>> = &files;
     let files: Vec<bag::File<'_>> = names
         .iter()
-        .zip(&files)
+        .zip(files)
         .map(|(name, bytes)| bag::File { name, bytes: bytes.as_deref() })
         .collect();
-    let read = bag::read(&files, Some(&metadata), &name, up).with_context(at)?;
+    let read = bag::read(&files, metadata.as_deref(), &name, up).with_context(at)?;
     for lost in &read.losses {
         r2r::log_warn!(NAME, "{}: lost: {lost}", at());
     }

@@ -1,6 +1,6 @@
 //! The live robot, whatever brings its messages: bodies as trackers say them → the tick → messages.
 //!
-//! One way: [`Inputs`] → into the world ([`Frames`]) → which body is the partner (`choice`) →
+//! One way: [`Inputs`] → into the world (`frames`) → which body is the partner (`choice`) →
 //! [`crate::online::Pipeline::tick`] → where the handover is (`state`) → [`Outputs`].
 //!
 //! Knows no ROS, no clock and no file: a shell brings messages and the time, and sends what comes
@@ -13,6 +13,7 @@ mod rest;
 mod robot;
 mod state;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::bodies::Body;
@@ -28,7 +29,7 @@ use crate::track::Who;
 use choice::Choice;
 use frames::Frames;
 pub use frames::UnknownFrame;
-pub use outputs::Outputs;
+pub use outputs::{News, Outputs};
 use outputs::{Report, Throttle};
 use rest::Rest;
 use robot::Robot;
@@ -47,8 +48,8 @@ pub struct Inputs {
     pub object: Option<PoseStamped>,
     /// The tree of frames: it outlives any robot that ticks.
     pub frames: FrameTree,
-    /// What came in and could not be read, and why.
-    pub refused: Option<String>,
+    /// A topic on which something came in that could not be read, and why.
+    pub refused: Option<(&'static str, String)>,
 }
 
 /// A robot and whoever it meets.
@@ -66,8 +67,8 @@ pub struct Live {
     /// The sighting's joints `[m]`: room.
     seen: Vec<Point>,
     throttle: Throttle,
-    /// Why something that came in was not taken, and when.
-    refused: Option<(Stamp, String)>,
+    /// By topic, why something that came in was not taken, and when.
+    refused: BTreeMap<&'static str, (Stamp, String)>,
     is_cancelled: bool,
 }
 
@@ -94,7 +95,7 @@ impl Live {
             object: None,
             seen: vec![Point::from(Vector::repeat(f64::NAN)); joints],
             throttle: Throttle::default(),
-            refused: None,
+            refused: BTreeMap::new(),
             is_cancelled: false,
             model,
             node,
@@ -138,7 +139,7 @@ impl Live {
         self.choice = Choice::default();
         self.progress = Progress::default();
         self.object = None;
-        self.refused = None;
+        self.refused.clear();
     }
 
     /// Where a robot that only does as it is told will stand if nothing more is said, and from when
@@ -163,8 +164,8 @@ impl Live {
         self.place_robot(now, inputs);
         self.take_object(now, inputs);
         let chosen = self.choose(now, inputs);
-        if let Some(reason) = &inputs.refused {
-            self.refuse(now, reason.clone());
+        if let Some((topic, reason)) = &inputs.refused {
+            self.refuse(now, topic, reason.clone());
         }
         let sighting = chosen.map(|(stamp, body)| Sighting {
             stamp,
@@ -178,7 +179,9 @@ impl Live {
             // Also one that was made only after it was called off.
             pipeline.cancel();
         }
-        self.refused.take_if(|(then, _)| (now - *then).seconds().abs() > Self::REFUSED_FOR);
+        self.refused.retain(|_, (then, _)| (now - *then).seconds().abs() <= Self::REFUSED_FOR);
+        let refused = self.refused.iter().map(|(topic, (_, reason))| format!("{topic}: {reason}"));
+        let refused: Vec<String> = refused.collect();
         let robot_age = self.robot.age(now);
         let tick = self.robot.tick(&TickInput { now, sighting, robot: None });
         if tick.as_ref().is_some_and(|tick| tick.filter.partner().is_ok_and(|p| p.is_fresh())) {
@@ -198,7 +201,7 @@ impl Live {
             hand,
             body: self.choice.current(),
             robot_age,
-            refused: self.refused.as_ref().map(|(_, reason)| reason.as_str()),
+            refused: refused.join("; "),
             took,
         };
         report.outputs(&self.model, &self.node, tick.as_ref(), &mut self.throttle)
@@ -220,41 +223,41 @@ impl Live {
                         let base = world_from_frame * self.node.world_from_base;
                         self.robot.place(&self.rest.placed(&base));
                     }
-                    Err(unknown) => self.refuse(now, format!("node.base_frame: {unknown}")),
+                    Err(unknown) => self.refuse(now, "node.base_frame", unknown.to_string()),
                 }
             }
             if inputs.robot.is_some() {
-                let reason = "robot_skeleton: node.robot_state is demonstrated";
-                self.refuse(now, reason.to_owned());
+                let reason = "node.robot_state is demonstrated";
+                self.refuse(now, "robot_skeleton", reason.to_owned());
             }
             return;
         }
         let Some(body) = &inputs.robot else { return };
         if let Some(reason) = self.untimely(now, body.stamp) {
-            return self.refuse(now, format!("robot_skeleton: {reason}"));
+            return self.refuse(now, "robot_skeleton", reason);
         }
         match self.frames.world_from(&body.frame, &inputs.frames, now) {
             Ok(world_from_body) => {
                 let place = |name: &str| body.place(name).map(|place| world_from_body * place);
                 if let Err(problem) = self.robot.report(now, place) {
-                    self.refuse(now, format!("robot_skeleton: {problem}"));
+                    self.refuse(now, "robot_skeleton", problem.to_string());
                 }
             }
-            Err(unknown) => self.refuse(now, format!("robot_skeleton: {unknown}")),
+            Err(unknown) => self.refuse(now, "robot_skeleton", unknown.to_string()),
         }
     }
 
     fn take_object(&mut self, now: Stamp, inputs: &Inputs) {
         let Some(object) = &inputs.object else { return };
         if let Some(reason) = self.untimely(now, object.header.stamp.stamp()) {
-            return self.refuse(now, format!("object_pose: {reason}"));
+            return self.refuse(now, "object_pose", reason);
         }
         match self.frames.world_from(&object.header.frame_id, &inputs.frames, now) {
             Ok(world_from_object) => {
                 let place = world_from_object * Point::from(object.pose.position);
                 self.object = Some((now, place)).filter(|(_, place)| is_finite(place));
             }
-            Err(unknown) => self.refuse(now, format!("object_pose: {unknown}")),
+            Err(unknown) => self.refuse(now, "object_pose", unknown.to_string()),
         }
     }
 
@@ -263,7 +266,10 @@ impl Live {
         let tolerance = self.model.settings().filter.clock_tolerance;
         let age = (now - or_now(stamp, now)).seconds();
         (age.abs() > tolerance).then(|| {
-            format!("its stamp is {age:.3} s old, not within {tolerance} (filter.clock_tolerance)")
+            format!(
+                "its stamp is {age:.3} s old, not within filter.clock_tolerance, {tolerance} (hint: \
+                 use_sim_time)"
+            )
         })
     }
 
@@ -276,10 +282,10 @@ impl Live {
         for body in &inputs.bodies {
             match self.frames.world_from(&body.frame, &inputs.frames, now) {
                 _ if self.untimely(now, body.stamp).is_some() => {
-                    refused = self.untimely(now, body.stamp).map(|why| format!("skeleton: {why}"));
+                    refused = self.untimely(now, body.stamp);
                 }
                 Ok(world_from_body) => candidates.push((body, world_from_body)),
-                Err(unknown) => refused = Some(format!("skeleton: {unknown}")),
+                Err(unknown) => refused = Some(unknown.to_string()),
             }
         }
         let base = skeleton.name(base);
@@ -299,18 +305,18 @@ impl Live {
                 } else {
                     names.join(", ")
                 };
-                refused = Some(format!("skeleton: no joint of the model's; {has}"));
+                refused = Some(format!("no joint of the model's; {has}"));
             }
             (or_now(body.stamp, now), body.id)
         });
         if let Some(reason) = refused {
-            self.refuse(now, reason);
+            self.refuse(now, "skeleton", reason);
         }
         sighting
     }
 
-    fn refuse(&mut self, now: Stamp, reason: String) {
-        self.refused = Some((now, reason));
+    fn refuse(&mut self, now: Stamp, topic: &'static str, reason: String) {
+        self.refused.insert(topic, (now, reason));
     }
 }
 

@@ -16,7 +16,7 @@ pub(super) struct Inbox {
     moving: ArrayQueue<TransformTree>,
     /// Said once and kept: they must not give way to those that move.
     fixed: ArrayQueue<TransformTree>,
-    refused: ArrayQueue<String>,
+    refused: ArrayQueue<(&'static str, String)>,
 }
 
 impl Default for Inbox {
@@ -50,8 +50,8 @@ impl Inbox {
         queue.force_push(tree);
     }
 
-    pub(super) fn refuse(&self, reason: String) {
-        self.refused.force_push(reason);
+    pub(super) fn refuse(&self, topic: &'static str, reason: String) {
+        self.refused.force_push((topic, reason));
     }
 
     /// Whether somebody is seen: not to be kept waiting.

@@ -99,6 +99,8 @@ impl Handover {
         };
         if handover.autostart {
             handover.begin(Step::Configure, None);
+        } else {
+            handover.say_waiting();
         }
         Ok(handover)
     }
@@ -110,7 +112,7 @@ impl Handover {
                 bail!("the ticking thread has ended by a bug: see above");
             }
             let [has_time, sees] =
-                [self.parameters.hear_time(), self.subscriptions.drain(&self.inbox, &self.logger)];
+                [self.parameters.hear_time(), self.subscriptions.drain(&self.inbox)];
             if has_time || sees {
                 self.ticker.wake();
             }
@@ -206,10 +208,18 @@ impl Handover {
             }
         };
         self.lifecycle.end(outcome);
-        r2r::log_info!(&self.logger, "{}", self.lifecycle.state().label());
+        match self.lifecycle.state() {
+            State::Unconfigured => self.say_waiting(),
+            state => r2r::log_info!(&self.logger, "{}", state.label()),
+        }
         if let Some(asker) = asker {
             asker.give(outcome);
         }
+    }
+
+    fn say_waiting(&self) {
+        let hint = "ros2 lifecycle set NODE configure, then activate, or node.autostart";
+        r2r::log_info!(&self.logger, "unconfigured: waits for ~/change_state (hint: {hint})");
     }
 
     /// Shows what was loaded.

@@ -104,7 +104,7 @@ pub(super) struct Messages<M> {
 }
 
 /// Hears of a topic and what is wrong with its message.
-pub(super) type Complain<'a> = dyn FnMut(&str, &dyn std::fmt::Display) + 'a;
+pub(super) type Complain<'a> = dyn FnMut(&'static str, &dyn std::fmt::Display) + 'a;
 
 impl<M: Message> Messages<M> {
     pub(super) fn new(node: &mut Node, topic: &'static str, quality: QosProfile) -> Result<Self> {

@@ -1,7 +1,5 @@
 //! What the handover node hears: bytes → messages → the inbox.
 
-use std::time::{Duration, Instant};
-
 use anyhow::Result;
 use r2r::{Node, QosProfile};
 
@@ -24,7 +22,6 @@ pub(super) struct Subscriptions {
     transforms: Vec<Messages<TransformTree>>,
     /// Puts together bodies whose joints are frames, if that is where the partner is seen.
     assembler: Option<TransformAssembler>,
-    complaints: Complaints,
 }
 
 impl Subscriptions {
@@ -66,18 +63,13 @@ impl Subscriptions {
             object: Messages::new(node, "object_pose", newest)?,
             transforms,
             assembler: (source == Source::Transforms).then(TransformAssembler::default),
-            complaints: Complaints::default(),
         })
     }
 
     /// Puts into the inbox all that has come in; says whether somebody is seen.
-    pub(super) fn drain(&mut self, inbox: &Inbox, logger: &str) -> bool {
-        let mut complain = |topic: &str, problem: &dyn std::fmt::Display| {
-            let text = format!("{topic}: {problem}");
-            if self.complaints.is_due() {
-                r2r::log_warn!(logger, "not taken: {text}");
-            }
-            inbox.refuse(text);
+    pub(super) fn drain(&mut self, inbox: &Inbox) -> bool {
+        let mut complain = |topic: &'static str, problem: &dyn std::fmt::Display| {
+            inbox.refuse(topic, problem.to_string());
         };
         let mut sees = false;
         if let Some(skeleton) = &mut self.skeleton {
@@ -119,21 +111,5 @@ impl Subscriptions {
             });
         }
         sees
-    }
-}
-
-/// Says when to complain: not more than once in five seconds.
-#[derive(Default)]
-struct Complaints(Option<Instant>);
-
-impl Complaints {
-    fn is_due(&mut self) -> bool {
-        #[expect(clippy::disallowed_methods, reason = "a shell: people read this")]
-        let now = Instant::now();
-        let is_due = self.0.is_none_or(|last| now - last > Duration::from_secs(5));
-        if is_due {
-            self.0 = Some(now);
-        }
-        is_due
     }
 }

@@ -12,7 +12,7 @@ use super::inbox::Inbox;
 use super::shell::{Publisher, RosClock};
 use crate::config::NodeSettings;
 use crate::geometry::Point;
-use crate::live::{Inputs, Live, Outputs};
+use crate::live::{HandoverState, Inputs, Live, News, Outputs};
 use crate::messages::{DiagnosticArray, MarkerArray, MultiDofTrajectory, PoseStamped, Text};
 use crate::safety::HoldReason;
 use crate::time::{Span, Stamp};
@@ -150,6 +150,7 @@ impl Ticking {
         let (mut running, mut inputs): (Option<Running>, _) = (None, Inputs::default());
         // Where a robot that only does as it is told was told to stand, and from when on.
         let mut standstill = None;
+        let (mut waits, mut is_warned) = (None, false);
         loop {
             while let Ok(command) = receiver.try_recv() {
                 match (command, running.as_mut()) {
@@ -161,11 +162,12 @@ impl Ticking {
                     (Command::Stop(stopped), _) => {
                         let stand = running.take().and_then(|running| running.live.standstill());
                         standstill = stand.or(standstill);
+                        self.rest();
                         // Whoever asked may have given up.
                         let _ = stopped.send(());
                     }
                     (Command::Forget, _) => standstill = None,
-                    (Command::End, _) => return,
+                    (Command::End, _) => return self.rest(),
                     (_, None) => {}
                     (Command::Cancel, Some(running)) => running.live.cancel(),
                     (Command::Reset, Some(running)) => running.live.reset(),
@@ -181,6 +183,12 @@ impl Ticking {
             };
             if self.is_simulated && now == Stamp(0) {
                 // Nobody has said what time it is.
+                #[expect(clippy::disallowed_methods, reason = "a shell: people read this")]
+                let waits = *waits.get_or_insert_with(Instant::now);
+                if !is_warned && waits.elapsed() > Duration::from_secs(5) {
+                    r2r::log_warn!(&self.logger, "use_sim_time is set, but /clock says nothing");
+                    is_warned = true;
+                }
                 self.inbox.take(&mut inputs, now);
                 thread::park_timeout(Duration::from_millis(5));
                 continue;
@@ -197,6 +205,16 @@ impl Ticking {
         }
     }
 
+    /// Whoever asks later is not told what was so while it ticked.
+    fn rest(&self) {
+        let state = Text { data: HandoverState::Idle.name().to_owned() };
+        // Nobody may be there to hear it.
+        let _ = self.publishers.state.publish(&state);
+    }
+
+    /// Lines of the log about the same state are this far apart at least.
+    const APART: Duration = Duration::from_secs(1);
+
     fn tick(&self, running: &mut Running, inputs: &Inputs, now: Stamp) {
         #[expect(clippy::disallowed_methods, reason = "a shell: how long a tick takes is told")]
         let begun = Instant::now();
@@ -208,10 +226,19 @@ impl Ticking {
         if let Err(error) = self.publishers.publish(&outputs) {
             r2r::log_error!(&self.logger, "cannot publish: {error:#}");
         }
-        if running.reason != Some(outputs.reason) {
-            let text = outputs.reason.map_or("moves", HoldReason::name);
-            r2r::log_info!(&self.logger, "{text}");
-            running.reason = Some(outputs.reason);
+        if let Some(News { is_warning, text }) = &outputs.news {
+            // What changes at every tick is not worth a line each time.
+            let is_due = running.told.is_none_or(|told: Instant| told.elapsed() > Self::APART);
+            if is_due || running.reason != Some(outputs.reason) {
+                #[expect(clippy::disallowed_methods, reason = "a shell: people read this")]
+                let told = Instant::now();
+                (running.told, running.reason) = (Some(told), Some(outputs.reason));
+                if *is_warning {
+                    r2r::log_warn!(&self.logger, "{text}");
+                } else {
+                    r2r::log_info!(&self.logger, "{text}");
+                }
+            }
         }
         running.ticked(now);
     }
@@ -226,12 +253,14 @@ struct Running {
     /// When the last tick was, and when the next is due.
     last: Option<(Stamp, Stamp)>,
     took: Option<f64>,
+    /// When, and with which reason, the log was told last.
+    told: Option<Instant>,
     reason: Option<Option<HoldReason>>,
 }
 
 impl Running {
     fn new(live: Box<Live>, period: Span, from: Option<Stamp>) -> Self {
-        Self { live, period, from, last: None, took: None, reason: None }
+        Self { live, period, from, last: None, took: None, told: None, reason: None }
     }
 
     /// How long until the next tick: a period after the last; if somebody is seen, a quarter of it.

@@ -9,10 +9,11 @@ from lifecycle_msgs.srv import GetAvailableStates, GetAvailableTransitions
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import DescribeParameters, ListParameters, SetParametersAtomically
 from rclpy.qos import QoSProfile
+from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from conftest import ROOT
-from handover import GIVER, RECEIVER, Meeting, distance, place_of, skeleton
+from handover import GIVER, LATCHED, RECEIVER, Meeting, distance, place_of, skeleton
 from processes import wait_for
 
 NODE = "/handover"
@@ -41,6 +42,8 @@ def test_the_whole_life(waiting, ros, clip):
     meeting.play(end=30)
     assert meeting.targets.count > 0
     assert ros.change_state(NODE, "deactivate")
+    late = ros.listen(String, f"{NODE}/handover_state", LATCHED)
+    assert late.wait()[-1].data == "idle", "whoever asks later is not told what was"
     # What was on its way when the service answered.
     time.sleep(0.02)
     meeting.targets.clear()
@@ -125,6 +128,7 @@ def test_what_cannot_be_configured_is_said_and_may_be_mended(
     assert not ros.change_state(NODE, "configure")
     assert ros.state(NODE) == "unconfigured"
     process.says(words)
+    process.says("unconfigured: waits for ~/change_state")
     taken = ros.set_parameters(NODE, node__model=str(model), node__role="", safety__lead=0.05)
     assert all(success for success, _ in taken.values()), taken
     assert ros.change_state(NODE, "configure")

@@ -5,7 +5,20 @@ use crate::messages::{Diagnostic, DiagnosticArray, Header, KeyValue, Time};
 use crate::online::{OnlineModel, Tick};
 use crate::safety::HoldReason;
 
-impl Report<'_> {
+impl Report {
+    /// How it is going, and how bad that is: what is not taken is told too.
+    pub(super) fn words(&self, reason: Option<HoldReason>) -> (u8, String) {
+        let level = match reason {
+            None | Some(HoldReason::NoPartner) => Diagnostic::OK,
+            Some(_) => Diagnostic::WARN,
+        };
+        let words = reason.map_or_else(|| self.state.name(), words);
+        if self.refused.is_empty() {
+            return (level, words.to_owned());
+        }
+        (level.max(Diagnostic::WARN), format!("{words}; not taken: {}", self.refused))
+    }
+
     /// One status: its level and message by the reason, the numbers as values.
     pub(super) fn diagnostics(
         &self,
@@ -13,17 +26,7 @@ impl Report<'_> {
         tick: Option<&Tick<'_>>,
         reason: Option<HoldReason>,
     ) -> DiagnosticArray {
-        let (level, mut message) = match reason {
-            None => (Diagnostic::OK, self.state.name().to_owned()),
-            Some(HoldReason::NoPartner) => (Diagnostic::OK, "nobody is seen".to_owned()),
-            Some(HoldReason::NoRobot) => {
-                (Diagnostic::WARN, "the robot has not said where its joints are".to_owned())
-            }
-            Some(reason) => (Diagnostic::WARN, format!("holds: {reason}")),
-        };
-        if let Some(refused) = self.refused {
-            message += &format!("; not taken: {refused}");
-        }
+        let (level, message) = self.words(reason);
         let mut values = Vec::new();
         let mut say = |key: &str, value: String| {
             values.push(KeyValue { key: key.to_owned(), value });
@@ -42,8 +45,7 @@ impl Report<'_> {
         if let Some(tick) = tick {
             self.say_tick(model, tick, &mut say);
         }
-        say("not_taken", self.refused.unwrap_or("").to_owned());
-        let level = if self.refused.is_some() { level.max(Diagnostic::WARN) } else { level };
+        say("not_taken", self.refused.clone());
         let name = "tick".to_owned();
         let status = Diagnostic { level, name, message, hardware_id: String::new(), values };
         let header = Header { stamp: Time::of(self.now), frame_id: String::new() };
@@ -72,5 +74,25 @@ impl Report<'_> {
             say("solve_steps", solved.residual.steps.to_string());
             say("bone_residual_m", format!("{:.6}", solved.residual.bones));
         }
+    }
+}
+
+/// Why the robot does not move as demonstrated.
+fn words(reason: HoldReason) -> &'static str {
+    match reason {
+        HoldReason::NoRobot => "the robot has not said where its joints are (robot_skeleton)",
+        HoldReason::NoPartner => "nobody is seen",
+        HoldReason::Stale => "holds: the partner has not been seen for a while",
+        HoldReason::Stopped => "holds: the partner has not been seen for long",
+        HoldReason::Lost => "holds: too little of the partner is seen",
+        HoldReason::Jump => "holds: the partner moved farther than a person can",
+        HoldReason::Exchanged => "holds: somebody else is seen in the partner's place",
+        HoldReason::OffDemonstration => "holds: what the partner does was not demonstrated",
+        HoldReason::Unsolved => "holds: there is no pose to follow",
+        HoldReason::Cancelled => "holds: called off, until ~/reset",
+        HoldReason::Separation => "holds: the partner is, or would be, too near",
+        HoldReason::Workspace => "holds: a joint is, or would be, outside the workspace",
+        HoldReason::Limits => "holds: no way there is within speed, acceleration and jerk",
+        HoldReason::Clock => "holds: time did not go on, or was set",
     }
 }

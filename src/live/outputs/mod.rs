@@ -8,8 +8,8 @@ use super::state::{HandTarget, Hands};
 use crate::config::NodeSettings;
 use crate::geometry::{Point, Vector, direction_or};
 use crate::messages::{
-    DiagnosticArray, Duration, Header, MarkerArray, MultiDofPoint, MultiDofTrajectory, Pose,
-    PoseStamped, Quaternion, Text, Time, Transform, Twist,
+    Diagnostic, DiagnosticArray, Duration, Header, MarkerArray, MultiDofPoint, MultiDofTrajectory,
+    Pose, PoseStamped, Quaternion, Text, Time, Transform, Twist,
 };
 use crate::online::{OnlineModel, Tick};
 use crate::safety::{HoldReason, Target};
@@ -31,6 +31,17 @@ pub struct Outputs {
     pub diagnostics: Option<DiagnosticArray>,
     /// Why the robot does not move as demonstrated; none: it does.
     pub reason: Option<HoldReason>,
+    /// What there is to be told to whoever reads a log, if that has changed.
+    pub news: Option<News>,
+}
+
+/// Something for whoever reads a log.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct News {
+    /// Whether it should be otherwise.
+    pub is_warning: bool,
+    /// In words.
+    pub text: String,
 }
 
 /// When what is not sent at every tick was sent last.
@@ -38,10 +49,11 @@ pub struct Outputs {
 pub(super) struct Throttle {
     markers: Option<Stamp>,
     diagnostics: Option<(Stamp, Option<HoldReason>)>,
+    news: Option<News>,
 }
 
 /// What there is to say of a tick besides the tick.
-pub(super) struct Report<'a> {
+pub(super) struct Report {
     pub(super) now: Stamp,
     pub(super) state: HandoverState,
     pub(super) hands: Option<Hands>,
@@ -50,12 +62,13 @@ pub(super) struct Report<'a> {
     pub(super) body: Option<Option<u32>>,
     /// How long ago the robot said where it is `[s]`.
     pub(super) robot_age: Option<f64>,
-    pub(super) refused: Option<&'a str>,
+    /// What was not taken of late, and why; empty if all was.
+    pub(super) refused: String,
     /// How long the last tick took `[us]`.
     pub(super) took: Option<f64>,
 }
 
-impl Report<'_> {
+impl Report {
     pub(super) fn outputs(
         &self,
         model: &OnlineModel,
@@ -82,6 +95,12 @@ impl Report<'_> {
         if tells {
             throttle.diagnostics = Some((self.now, reason));
         }
+        let (level, text) = self.words(reason);
+        let news = News { is_warning: level != Diagnostic::OK, text };
+        let news = Some(news).filter(|news| throttle.news.as_ref() != Some(news));
+        if news.is_some() {
+            throttle.news.clone_from(&news);
+        }
         Outputs {
             joint_targets: target.map(|target| trajectory(model, target, header.clone())),
             hand_target: self.hand.map(|hand| hand_target(&hand, header.clone())),
@@ -89,6 +108,7 @@ impl Report<'_> {
             state: Text { data: self.state.name().to_owned() },
             diagnostics: tells.then(|| self.diagnostics(model, tick, reason)),
             reason,
+            news,
         }
     }
 }
