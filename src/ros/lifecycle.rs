@@ -4,7 +4,7 @@ use anyhow::{Context as _, Result};
 use r2r::lifecycle_msgs::{msg, srv};
 use r2r::{Node, Publisher, QosProfile, ServiceRequest};
 
-use super::parameters::{Requests, answer, requests};
+use super::services::Requests;
 use super::shell::RosClock;
 use crate::lifecycle::{Lifecycle, Outcome, State, Step, TRANSITIONS, Transition};
 
@@ -30,11 +30,11 @@ impl LifecycleServer {
             life: Lifecycle::default(),
             clock,
             events: events.context("~/transition_event")?,
-            change: requests(node, "~/change_state")?,
-            state: requests(node, "~/get_state")?,
-            states: requests(node, "~/get_available_states")?,
-            transitions: requests(node, "~/get_available_transitions")?,
-            graph: requests(node, "~/get_transition_graph")?,
+            change: Requests::new(node, "~/change_state")?,
+            state: Requests::new(node, "~/get_state")?,
+            states: Requests::new(node, "~/get_available_states")?,
+            transitions: Requests::new(node, "~/get_available_transitions")?,
+            graph: Requests::new(node, "~/get_transition_graph")?,
         })
     }
 
@@ -45,21 +45,24 @@ impl LifecycleServer {
     /// Answers every question that has come in.
     pub(super) fn serve(&mut self) {
         while let Some(request) = self.state.next() {
-            answer(request, srv::GetState::Response { current_state: state(self.life.state()) });
+            self.state.answer(
+                request,
+                srv::GetState::Response { current_state: state(self.life.state()) },
+            );
         }
         while let Some(request) = self.states.next() {
             let available_states = State::ALL.map(state).to_vec();
-            answer(request, srv::GetAvailableStates::Response { available_states });
+            self.states.answer(request, srv::GetAvailableStates::Response { available_states });
         }
         let describe = |transitions: &mut dyn Iterator<Item = Transition>| {
             let available_transitions = transitions.map(described).collect();
             srv::GetAvailableTransitions::Response { available_transitions }
         };
         while let Some(request) = self.transitions.next() {
-            answer(request, describe(&mut self.life.available()));
+            self.transitions.answer(request, describe(&mut self.life.available()));
         }
         while let Some(request) = self.graph.next() {
-            answer(request, describe(&mut TRANSITIONS.into_iter()));
+            self.graph.answer(request, describe(&mut TRANSITIONS.into_iter()));
         }
     }
 
@@ -70,7 +73,7 @@ impl LifecycleServer {
             let wanted = &request.message.transition;
             match self.life.wanted(wanted.id, &wanted.label) {
                 Some(step) => return Some((Asker(request), step)),
-                None => answer(request, srv::ChangeState::Response { success: false }),
+                None => self.change.answer(request, srv::ChangeState::Response { success: false }),
             }
         }
         None
@@ -88,6 +91,12 @@ impl LifecycleServer {
         self.tell(way);
     }
 
+    /// Says how the step went that `asker` had asked for.
+    pub(super) fn answer(&mut self, asker: Asker, outcome: Outcome) {
+        let success = outcome == Outcome::Success;
+        self.change.answer(asker.0, srv::ChangeState::Response { success });
+    }
+
     fn tell(&self, way: Transition) {
         let timestamp = u64::try_from(self.clock.now().0).unwrap_or(0);
         let event = msg::TransitionEvent {
@@ -103,13 +112,6 @@ impl LifecycleServer {
 
 /// Whoever asked for a step.
 pub(super) struct Asker(ServiceRequest<srv::ChangeState::Service>);
-
-impl Asker {
-    /// Says how it went.
-    pub(super) fn give(self, outcome: Outcome) {
-        answer(self.0, srv::ChangeState::Response { success: outcome == Outcome::Success });
-    }
-}
 
 fn state(state: State) -> msg::State {
     msg::State { id: state.id(), label: state.label().to_owned() }

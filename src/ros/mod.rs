@@ -11,6 +11,7 @@ mod lifecycle;
 mod load;
 mod node;
 pub mod parameters;
+mod services;
 pub mod shell;
 mod subscriptions;
 mod ticker;

@@ -213,7 +213,7 @@ impl Handover {
             state => r2r::log_info!(&self.logger, "{}", state.label()),
         }
         if let Some(asker) = asker {
-            asker.give(outcome);
+            self.lifecycle.answer(asker, outcome);
         }
     }
 

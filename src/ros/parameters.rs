@@ -3,10 +3,10 @@
 //! Whatever spins the node calls [`ParameterServer::serve`] after it; nothing here waits.
 
 use anyhow::{Context, Result};
-use futures::{FutureExt, Stream, StreamExt};
 use r2r::rcl_interfaces::{msg, srv};
-use r2r::{Node, Publisher, QosProfile, ServiceRequest, WrappedServiceTypeSupport};
+use r2r::{Node, Publisher, QosProfile};
 
+use super::services::Requests;
 use super::shell::{RosClock, TimeSource};
 use crate::messages::Time;
 use crate::parameters::{Bound, Parameter, ParameterTable, ParameterValue, Refusal, Refusals};
@@ -77,12 +77,12 @@ impl ParameterServer {
             time,
             node_name: node.fully_qualified_name()?,
             events,
-            get: requests(node, "~/get_parameters")?,
-            types: requests(node, "~/get_parameter_types")?,
-            describe: requests(node, "~/describe_parameters")?,
-            list: requests(node, "~/list_parameters")?,
-            set: requests(node, "~/set_parameters")?,
-            set_atomically: requests(node, "~/set_parameters_atomically")?,
+            get: Requests::new(node, "~/get_parameters")?,
+            types: Requests::new(node, "~/get_parameter_types")?,
+            describe: Requests::new(node, "~/describe_parameters")?,
+            list: Requests::new(node, "~/list_parameters")?,
+            set: Requests::new(node, "~/set_parameters")?,
+            set_atomically: Requests::new(node, "~/set_parameters_atomically")?,
             table,
         };
         let declared = server.table.all().iter();
@@ -129,34 +129,34 @@ impl ParameterServer {
     ) {
         while let Some(request) = self.get.next() {
             let values = request.message.names.iter().map(|name| self.value(name)).collect();
-            answer(request, srv::GetParameters::Response { values });
+            self.get.answer(request, srv::GetParameters::Response { values });
         }
         while let Some(request) = self.types.next() {
             let types = request.message.names.iter().map(|name| self.value(name).type_).collect();
-            answer(request, srv::GetParameterTypes::Response { types });
+            self.types.answer(request, srv::GetParameterTypes::Response { types });
         }
         while let Some(request) = self.describe.next() {
             let names = request.message.names.iter();
             let descriptors = names.map(|name| self.description(name)).collect();
-            answer(request, srv::DescribeParameters::Response { descriptors });
+            self.describe.answer(request, srv::DescribeParameters::Response { descriptors });
         }
         while let Some(request) = self.list.next() {
             let srv::ListParameters::Request { prefixes, depth } = &request.message;
             let listed = self.table.list(prefixes, *depth);
             let result =
                 msg::ListParametersResult { names: listed.names, prefixes: listed.prefixes };
-            answer(request, srv::ListParameters::Response { result });
+            self.list.answer(request, srv::ListParameters::Response { result });
         }
         while let Some(request) = self.set.next() {
             let changes = request.message.parameters.iter().map(from_message);
             let results =
                 changes.map(|change| self.change(node, &[change], &mut may_set)).collect();
-            answer(request, srv::SetParameters::Response { results });
+            self.set.answer(request, srv::SetParameters::Response { results });
         }
         while let Some(request) = self.set_atomically.next() {
             let changes: Vec<_> = request.message.parameters.iter().map(from_message).collect();
             let result = self.change(node, &changes, &mut may_set);
-            answer(request, srv::SetParametersAtomically::Response { result });
+            self.set_atomically.answer(request, srv::SetParametersAtomically::Response { result });
         }
     }
 
@@ -243,33 +243,6 @@ impl ParameterServer {
             r2r::log_warn!(node.logger(), "/parameter_events: {error}");
         }
     }
-}
-
-/// Requests to one service, taken without waiting.
-pub(super) struct Requests<T: WrappedServiceTypeSupport>(
-    Box<dyn Stream<Item = ServiceRequest<T>> + Send + Unpin>,
-);
-
-impl<T: WrappedServiceTypeSupport> Requests<T> {
-    pub(super) fn next(&mut self) -> Option<ServiceRequest<T>> {
-        self.0.next().now_or_never().flatten()
-    }
-}
-
-pub(super) fn requests<T>(node: &mut Node, name: &str) -> Result<Requests<T>>
-where
-    T: WrappedServiceTypeSupport + 'static,
-{
-    let requests = node.create_service::<T>(name, QosProfile::parameters());
-    Ok(Requests(Box::new(requests.with_context(|| name.to_owned())?)))
-}
-
-pub(super) fn answer<T: WrappedServiceTypeSupport + 'static>(
-    request: ServiceRequest<T>,
-    with: T::Response,
-) {
-    // Whoever asked may have gone; nobody else needs to know.
-    let _ = request.respond(with);
 }
 
 fn refused(refusal: &Refusal) -> msg::SetParametersResult {

@@ -4,7 +4,7 @@ use anyhow::Result;
 use r2r::Node;
 use r2r::std_srvs::srv::Trigger;
 
-use super::parameters::{Requests, answer, requests};
+use super::services::Requests;
 
 /// What somebody asks for in the middle of a handover.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,7 +25,10 @@ impl Triggers {
     /// # Errors
     /// If a service cannot be offered.
     pub(super) fn new(node: &mut Node) -> Result<Self> {
-        Ok(Self { reset: requests(node, "~/reset")?, cancel: requests(node, "~/cancel")? })
+        Ok(Self {
+            reset: Requests::new(node, "~/reset")?,
+            cancel: Requests::new(node, "~/cancel")?,
+        })
     }
 
     /// Answers all that has come in.
@@ -39,7 +42,7 @@ impl Triggers {
                 let done = take(asked);
                 let success = done.is_ok();
                 let message = done.map_or_else(|reason| reason, str::to_owned);
-                answer(request, Trigger::Response { success, message });
+                requests.answer(request, Trigger::Response { success, message });
             }
         }
     }

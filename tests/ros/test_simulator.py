@@ -54,32 +54,36 @@ def test_a_recording_is_heard_as_it_is(simulator, ros, clip):
     objects = ros.listen(PoseStamped, "object_pose", DEEP)
     markers = ros.listen(MarkerArray, "skeleton_markers", DEEP)
     before = time.time_ns()
-    process = simulator(recording=str(clip.path), markers=True, body=3, world_frame="map")
+    process = simulator(recording=str(clip.path), markers=True, body=3, world_frame="map",
+                        listeners=1)
     is_over(ros)
     heard = partner.messages
-    # Best effort: this machine may be busy.
-    assert len(times) - 3 <= len(heard) <= len(times)
-    first = stamps(heard)[0]
-    assert before < first < time.time_ns()
-    by_time = {round((stamp - stamps(heard)[-1]) / 1e6): message
-               for stamp, message in zip(stamps(heard), heard, strict=True)}
-    for at, places in zip(times, joints, strict=True):
-        message = by_time.get(round((at - times[-1]) * 1e3))
-        if message is None:
-            continue
+    # Best effort, and this machine may be busy: some may be missing, those that came are in order.
+    assert 0.8 * len(times) <= len(heard) <= len(times)
+    assert stamps(heard) == sorted(set(stamps(heard)))
+    assert before < stamps(heard)[0] < time.time_ns()
+    starts = []
+    left = list(zip(times, joints, strict=True))
+    for message in heard:
         assert message.header.frame_id == "map"
-        for name, transform in zip(message.joint_names, message.transforms, strict=True):
-            place = transform.translation
-            assert [place.x, place.y, place.z] == places[name]
-            assert transform.rotation.w == 1.0
+        places = {name: [place.x, place.y, place.z] for name, place in
+                  zip(message.joint_names, [transform.translation for transform in
+                                            message.transforms], strict=True)}
+        while left and left[0][1] != places:
+            left.pop(0)
+        assert left, f"not in the recording, or out of order: {places}"
+        assert all(transform.rotation.w == 1.0 for transform in message.transforms)
+        starts.append(nanoseconds(message.header.stamp) - left.pop(0)[0] * 1e9)
+    # To the nanosecond at one pace, but that a file's times are kept as seconds here.
+    assert max(starts) - min(starts) < 1e3
     # By the times at which the simulator sent them: this process may be late.
     late = [b - a - (d - c) for a, b, c, d in
             zip(partner.sent, partner.sent[1:], stamps(heard), stamps(heard)[1:], strict=False)]
     print("jitter of sending [ms]: median", statistics.median(map(abs, late)) / 1e6,
           "most", max(map(abs, late)) / 1e6)
     assert statistics.median(map(abs, late)) < 5e6
-    assert abs(robot.count - len(times)) <= 3 and abs(objects.count - len(times)) <= 3
-    assert abs(markers.count - len(times)) <= 3
+    for others in [robot, objects, markers]:
+        assert 0.8 * len(times) <= others.count <= len(times)
     ids = {marker.id // 100 for message in markers.messages for marker in message.markers}
     assert ids == {3} and len(markers.messages[0].markers) == 15
     # It stays, so that launch does not take it for a crash.
