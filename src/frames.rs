@@ -5,6 +5,7 @@
 //! is any frame.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use nalgebra::{Quaternion, UnitQuaternion};
 
@@ -12,7 +13,7 @@ use crate::geometry::{Isometry, Vector};
 use crate::messages::{Transform, TransformTree};
 use crate::time::Stamp;
 
-/// The newest edge of each child.
+/// The newest edge of each child, or what they were at any time.
 ///
 /// ```
 /// use handover_mesh::frames::FrameTree;
@@ -33,12 +34,13 @@ use crate::time::Stamp;
 #[derive(Debug, Clone, Default)]
 pub struct FrameTree {
     fixed: BTreeMap<String, Edge>,
-    moving: BTreeMap<String, (Edge, Stamp)>,
+    /// The newest last.
+    moving: BTreeMap<String, Vec<(Stamp, Edge)>>,
 }
 
 #[derive(Debug, Clone)]
 struct Edge {
-    parent: String,
+    parent: Arc<str>,
     parent_from_child: Isometry,
 }
 
@@ -52,20 +54,46 @@ impl FrameTree {
 
     /// Takes in edges that hold for ever; one that is no rigid motion is left out.
     pub fn fix(&mut self, tree: &TransformTree) {
-        for (child, edge) in edges(tree) {
+        for (child, _, edge) in edges(tree) {
             if self.fixed.len() < Self::MOST || self.fixed.contains_key(child) {
                 self.fixed.insert(child.to_owned(), edge);
             }
         }
     }
 
-    /// Takes in edges that move, as of `now`; one that is no rigid motion is left out.
+    /// Takes in edges that move, as of `now`, in place of those before; one that is no rigid motion
+    /// is left out.
     pub fn take(&mut self, tree: &TransformTree, now: Stamp) {
-        for (child, edge) in edges(tree) {
-            if self.moving.len() < Self::MOST || self.moving.contains_key(child) {
-                self.moving.insert(child.to_owned(), (edge, now));
+        for (child, _, edge) in edges(tree) {
+            if let Some(known) = self.moving_edges(child) {
+                known.clear();
+                known.push((now, edge));
             }
         }
+    }
+
+    /// Takes in edges that move, each as of its own stamp, beside those before: what is asked about
+    /// the past is answered by the newest that was known then.
+    pub fn record(&mut self, tree: &TransformTree) {
+        for (child, stamp, mut edge) in edges(tree) {
+            if let Some(known) = self.moving_edges(child) {
+                let at = known.partition_point(|(known, _)| *known <= stamp);
+                // The parent is mostly the same: a recording has very many edges.
+                let same = at.checked_sub(1).map(|before| &known[before].1.parent);
+                if let Some(same) = same.filter(|same| **same == edge.parent) {
+                    edge.parent = same.clone();
+                }
+                known.insert(at, (stamp, edge));
+            }
+        }
+    }
+
+    /// Those of a child; none if there are too many children.
+    fn moving_edges(&mut self, child: &str) -> Option<&mut Vec<(Stamp, Edge)>> {
+        if self.moving.len() >= Self::MOST && !self.moving.contains_key(child) {
+            return None;
+        }
+        Some(self.moving.entry(child.to_owned()).or_default())
     }
 
     /// `to_from_from` `[m]` at `now`, if the tree joins the two.
@@ -94,24 +122,29 @@ impl FrameTree {
     ) -> impl Iterator<Item = (&'a str, Isometry)> {
         let up = move |(name, from_frame): &(&'a str, Isometry)| {
             let Edge { parent, parent_from_child } = self.edge(name, now)?;
-            Some((parent.as_str(), parent_from_child * from_frame))
+            Some((&**parent, parent_from_child * from_frame))
         };
         std::iter::successors(Some((frame, Isometry::identity())), up).take(Self::DEEPEST)
     }
 
     fn edge(&self, child: &str, now: Stamp) -> Option<&Edge> {
-        let moving = self.moving.get(child);
-        let fresh = |heard: &Stamp| (now - *heard).seconds().abs() <= Self::STALE;
-        let moving = moving.filter(|(_, heard)| fresh(heard)).map(|(edge, _)| edge);
+        let newest = self.moving.get(child).and_then(|known| {
+            // Who is told as of a moment that is still to come, is told of now too.
+            let after = known.partition_point(|(stamp, _)| *stamp <= now);
+            known.get(after.saturating_sub(1))
+        });
+        let fresh = |heard: Stamp| (now - heard).seconds().abs() <= Self::STALE;
+        let moving = newest.filter(|(heard, _)| fresh(*heard)).map(|(_, edge)| edge);
         moving.or_else(|| self.fixed.get(child))
     }
 }
 
-fn edges(tree: &TransformTree) -> impl Iterator<Item = (&str, Edge)> {
+/// Each child with its edge, as of when.
+fn edges(tree: &TransformTree) -> impl Iterator<Item = (&str, Stamp, Edge)> {
     tree.transforms.iter().filter_map(|edge| {
         let parent_from_child = rigid(&edge.transform)?;
-        let parent = bare(&edge.header.frame_id).to_owned();
-        Some((bare(&edge.child_frame_id), Edge { parent, parent_from_child }))
+        let edge_now = Edge { parent: bare(&edge.header.frame_id).into(), parent_from_child };
+        Some((bare(&edge.child_frame_id), edge.header.stamp.stamp(), edge_now))
     })
 }
 
@@ -173,6 +206,32 @@ mod tests {
         let later = Stamp(now.0 + 1_100_000_000);
         assert_eq!(tree.between("world", "depth", later), None);
         assert!(tree.between("world", "camera", later).is_some());
+    }
+
+    #[test]
+    fn what_was_recorded_is_known_of_every_moment() {
+        let at = |k: i64| Stamp(k * 100_000_000);
+        let place = |k: i64| yaw_isometry(0.1 * k as f64, Vector::new(k as f64, 0.0, 0.0));
+        let mut tree = FrameTree::default();
+        // Not quite in order, as publishers are heard.
+        for k in [1, 2, 4, 3, 5] {
+            let mut edge = edge("world", "head", &place(k));
+            edge.header.stamp = crate::messages::Time::of(at(k));
+            tree.record(&TransformTree { transforms: vec![edge] });
+        }
+        let known = |now: Stamp| tree.between("world", "head", now);
+        let near = |a: Isometry, b: Isometry| {
+            (a.inverse() * b).translation.vector.norm() < 1e-12
+                && a.rotation.angle_to(&b.rotation) < 1e-12
+        };
+        for k in 1..=5 {
+            assert!(near(known(at(k)).unwrap(), place(k)), "{k}");
+            assert!(near(known(Stamp(at(k).0 + 99_999_999)).unwrap(), place(k)), "{k}");
+        }
+        // Just before the first, and long after the last.
+        assert!(near(known(Stamp(0)).unwrap(), place(1)));
+        assert!(known(Stamp(at(5).0 + 1_000_000_001)).is_none());
+        assert!(known(Stamp(at(1).0 - 1_000_000_001)).is_none());
     }
 
     #[test]

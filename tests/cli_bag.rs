@@ -215,7 +215,7 @@ fn long_bag(path: &Path) {
 
 /// What a robot would have recorded: the partner's skeleton, and its own targets between the frames.
 fn live_bag(clip: &Recording, robot: Role, path: &Path) {
-    let mut live = Writer::new("live_0.mcap").unwrap();
+    let mut live = Writer::new("live_0.mcap", BTreeMap::new()).unwrap();
     let skeleton = live.topic("/skeleton", MultiDofJointState::TYPE, false).unwrap();
     let targets = live.topic("/handover/joint_targets", MultiDofTrajectory::TYPE, false).unwrap();
     for number in 0..clip.len() {
@@ -241,7 +241,7 @@ fn live_bag(clip: &Recording, robot: Role, path: &Path) {
         };
         live.message(targets, tick, &encode(&target)).unwrap();
     }
-    fs::write(path, live.finish(&BTreeMap::new()).unwrap().mcap).unwrap();
+    fs::write(path, live.finish().unwrap().mcap).unwrap();
 }
 
 #[test]
@@ -266,7 +266,7 @@ fn of_a_live_bag_the_robot_plays_its_role_again() {
 fn violations_of_bags_say_message_and_topic() {
     let folder = clips(1);
     let clip = csv::read(&bytes(&folder, "clips/0.csv"), "0", UpAxis::Z).unwrap();
-    let mut bag = Writer::new("a_0.mcap").unwrap();
+    let mut bag = Writer::new("a_0.mcap", BTreeMap::new()).unwrap();
     for person in clip.people() {
         let name = format!("/{}/skeleton", person.name);
         let topic = bag.topic(&name, MultiDofJointState::TYPE, false).unwrap();
@@ -281,7 +281,7 @@ fn violations_of_bags_say_message_and_topic() {
             bag.message(topic, stamp, &data).unwrap();
         }
     }
-    fs::write(path(&folder, "a.mcap"), bag.finish(&BTreeMap::new()).unwrap().mcap).unwrap();
+    fs::write(path(&folder, "a.mcap"), bag.finish().unwrap().mcap).unwrap();
     let words =
         ["a.mcap: BAD\n  message 17 of /giver/skeleton: sensor_msgs/msg/MultiDOFJointState"];
     check(&folder, &["check", "a.mcap"], 1, &words);

@@ -386,8 +386,8 @@ pub enum Reason {
     },
     /// Two places in frames of which nobody knows how they lie to each other.
     #[error(
-        "places are in '{frame}', others in '{other}' (hint: /tf_static of the bag does not join \
-         them)"
+        "places are in '{frame}', others in '{other}' (hint: neither /tf_static nor /tf of the bag \
+         joins them then)"
     )]
     Frames {
         /// The frame here.

@@ -3,6 +3,8 @@
 //! `pᵢ = base + Σ lengths × directions` along the tree, laid outwards from the base joint, so that
 //! bones have their lengths whatever the directions do.
 
+use std::ops::Add;
+
 use super::jet::Jet;
 use super::settings::SafetyError;
 use crate::geometry::{Point, Vector, direction_or};
@@ -98,13 +100,13 @@ impl Chain {
         }
     }
 
-    /// Lays joints alone.
-    pub(super) fn lay_points(
+    /// Lays joints alone: places, or velocities of coordinates that are velocities.
+    pub(super) fn lay_values<T: Copy + From<Vector> + Add<Vector, Output = T>>(
         &self,
         mut coordinate: impl FnMut(usize) -> Vector,
-        joints: &mut [Point],
+        joints: &mut [T],
     ) {
-        joints[self.base] = Point::from(coordinate(0));
+        joints[self.base] = coordinate(0).into();
         for (at, link) in self.links.iter().enumerate() {
             joints[link.to] = joints[link.from] + coordinate(at + 1) * link.length;
         }
@@ -130,7 +132,7 @@ mod tests {
             let mut coordinates = vec![Vector::z(); chain.joints()];
             chain.coordinates_of(|joint| pose[joint], &mut coordinates);
             let mut laid = vec![Point::origin(); chain.joints()];
-            chain.lay_points(|at| coordinates[at], &mut laid);
+            chain.lay_values(|at| coordinates[at], &mut laid);
             assert!(laid.iter().zip(&pose).all(|(a, b)| (a - b).norm() < 1e-12));
         }
         let refused = |lengths: &[f64]| Chain::new(&skeleton, skeleton.root(), lengths).is_err();

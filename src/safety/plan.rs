@@ -127,6 +127,12 @@ impl Plan {
             let raw = self.raw(moment, at)[0];
             if at == 0 { raw } else { raw.normalize() }
         };
-        chain.lay_points(value, joints);
+        chain.lay_values(value, joints);
+    }
+
+    /// Velocities of all joints so long `[s]` after the start.
+    pub(super) fn velocities(&self, chain: &Chain, time: f64, joints: &mut [Vector]) {
+        let moment = self.moment(time);
+        chain.lay_values(|at| self.coordinate(moment, at)[1], joints);
     }
 }

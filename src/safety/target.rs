@@ -100,6 +100,16 @@ impl Target {
         self.plan.points(&self.chain, time.max(0.0), joints);
     }
 
+    /// How the joints move there so long after now; the sizes and panics are those of
+    /// [`Self::positions_at`].
+    ///
+    /// - `joints`: the velocities `[m/s]` in the world, skeleton order.
+    pub fn velocities_at(&self, ahead: Span, joints: &mut [Vector]) {
+        assert_eq!(joints.len(), self.velocities.len(), "one velocity for each joint");
+        let time = self.after(ahead).seconds();
+        self.plan.velocities(&self.chain, time.max(0.0), joints);
+    }
+
     /// How far into the plan it is so long after now. Whole nanoseconds are added, so that what was
     /// published is what the gate will find there.
     pub(super) fn after(&self, ahead: Span) -> Span {

@@ -11,10 +11,15 @@ use proptest::prelude::*;
 
 use super::scenes::{Sent, bag_of, read, recording};
 
+/// What is known of the clip.
+fn known() -> BTreeMap<String, String> {
+    [("class", "handover"), ("pair", "s01s02")].map(|(a, b)| (a.to_owned(), b.to_owned())).into()
+}
+
 /// Half a minute: several chunks.
 fn whole() -> &'static [u8] {
     static WHOLE: OnceLock<Vec<u8>> = OnceLock::new();
-    WHOLE.get_or_init(|| bag::write(&recording(900, BTreeMap::new()), "clip_0.mcap").unwrap().mcap)
+    WHOLE.get_or_init(|| bag::write(&recording(900, known()), "clip_0.mcap").unwrap().mcap)
 }
 
 fn small() -> Vec<u8> {
@@ -37,6 +42,7 @@ fn a_bag_cut_anywhere_gives_what_is_whole() {
                     [] => assert_eq!(frames, 900, "{cut}"),
                     other => panic!("{cut}: {other:?}"),
                 }
+                assert_eq!(found.recording.metadata(), &known(), "{cut}");
                 let at = frames - 1;
                 let place = found.recording.people()[1].motion.frames()[at].positions[14];
                 assert_eq!(place, super::scenes::place(1, at as i64, 14));

@@ -4,9 +4,11 @@ use handover_mesh::bodies::{Body, to_joint_state, to_markers, to_transforms};
 use handover_mesh::formats::bag::Read;
 use handover_mesh::messages::{
     Duration, Header, MarkerArray, Message, MultiDofJointState, MultiDofPoint, MultiDofTrajectory,
-    PoseStamped, Time, Transform, TransformStamped, TransformTree, Vector3, encode,
+    PoseStamped, Quaternion, Time, Transform, TransformStamped, TransformTree, Vector3, encode,
 };
-use handover_mesh::{Point, Recording, Role, Skeleton, Span, Stamp};
+use handover_mesh::{Point, Recording, Role, Skeleton, Span, Stamp, Vector};
+
+use nalgebra::{Isometry3, UnitQuaternion};
 
 use super::scenes::{STEP, Sent, bag_of, place, read};
 
@@ -130,7 +132,7 @@ fn static_transforms_join_frames_and_nothing_else_does() {
     let mut messages = live(20, seen);
     let error = read(&bag_of(&messages)).unwrap_err().to_string();
     let expected = "message 1 of /skeleton: places are in 'camera', others in 'world' (hint: \
-                    /tf_static of the bag does not join them)";
+                    neither /tf_static nor /tf of the bag joins them then)";
     assert!(error.starts_with(expected), "{error}");
     let mount = TransformStamped {
         header: Header { stamp: Time::default(), frame_id: "world".to_owned() },
@@ -143,6 +145,47 @@ fn static_transforms_join_frames_and_nothing_else_does() {
     let partner = &found.recording.person(Role::First).motion;
     let apart = partner.frames()[2].positions[7] - place(0, 3, 7);
     assert!(apart.norm() < 1e-12, "{apart}");
+}
+
+#[test]
+fn a_camera_on_a_head_that_turns_sees_the_partner_where_they_are() {
+    let camera = |frame: i64| {
+        let (angle, at) = (0.02 * frame as f64, Vector3 { x: 0.5, y: 0.01 * frame as f64, z: 1.0 });
+        let turn = UnitQuaternion::from_axis_angle(&nalgebra::Vector3::z_axis(), angle);
+        (Isometry3::from_parts(Vector::from(at).into(), turn), at)
+    };
+    let seen = |told: std::ops::Range<i64>| {
+        move |frame: i64| {
+            let (world_from_camera, translation) = camera(frame);
+            let mut body = body(0, frame, "camera");
+            for (_, place) in &mut body.joints {
+                *place = world_from_camera.inverse() * *place;
+            }
+            let q = world_from_camera.rotation.coords;
+            let rotation = Quaternion { x: q.x, y: q.y, z: q.z, w: q.w };
+            let stamp = Stamp(frame * STEP);
+            let neck = TransformStamped {
+                header: Header { stamp: Time::of(stamp), frame_id: "world".to_owned() },
+                child_frame_id: "camera".to_owned(),
+                transform: Transform { translation, rotation },
+            };
+            let mut messages = vec![sent("/skeleton", stamp, &to_joint_state(&body))];
+            if told.contains(&frame) {
+                messages.push(sent("/tf", stamp, &TransformTree { transforms: vec![neck] }));
+            }
+            messages
+        }
+    };
+    let found = read(&bag_of(&live(20, seen(0..20)))).unwrap();
+    let partner = &found.recording.person(Role::First).motion;
+    for (frame, known) in partner.frames().iter().zip(1..) {
+        let apart = frame.positions[7] - place(0, known, 7);
+        assert!(apart.norm() < 1e-12, "{known}: {apart}");
+    }
+    // What was said a second before holds no more.
+    let error = read(&bag_of(&live(60, seen(0..20)))).unwrap_err().to_string();
+    assert!(error.contains("message 51 of /skeleton: places are in 'camera'"), "{error}");
+    assert!(!error.contains("message 50 of /skeleton"), "{error}");
 }
 
 /// Two people on topics of their own, at the same stamps, changed by `change`.

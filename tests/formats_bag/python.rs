@@ -214,15 +214,15 @@ fn python_reads_every_type_of_message() {
     let Some(python) = python() else { return };
     let here = tempfile::tempdir().unwrap();
     fs::create_dir(here.path().join("made")).unwrap();
-    let mut bag = Writer::new("made_0.mcap").unwrap();
+    let words = "\u{85}\u{feff}\u{2028} \"ü\" \\ : #\n\t\u{1f91d}";
+    let custom: BTreeMap<String, String> = [("words".to_owned(), words.to_owned())].into();
+    let mut bag = Writer::new("made_0.mcap", custom).unwrap();
     let messages = all_types();
     for ((topic, type_name, time, data), _) in &messages {
         let topic = bag.topic(topic, type_name, topic.ends_with("state")).unwrap();
         bag.message(topic, *time, data).unwrap();
     }
-    let words = "\u{85}\u{feff}\u{2028} \"ü\" \\ : #\n\t\u{1f91d}";
-    let custom: BTreeMap<String, String> = [("words".to_owned(), words.to_owned())].into();
-    let written = bag.finish(&custom).unwrap();
+    let written = bag.finish().unwrap();
     fs::write(here.path().join("made/made_0.mcap"), written.mcap).unwrap();
     fs::write(here.path().join("made/metadata.yaml"), written.metadata).unwrap();
     let found: Value = serde_json::from_str(&run(&python, DUMP, here.path())).unwrap();

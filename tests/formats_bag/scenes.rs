@@ -87,7 +87,7 @@ pub(crate) type Sent = (String, String, Stamp, Vec<u8>);
 
 /// The bytes of a bag of these messages, topics as they come.
 pub(crate) fn bag_of(messages: &[Sent]) -> Vec<u8> {
-    let mut bag = Writer::new("made.mcap").unwrap();
+    let mut bag = Writer::new("made.mcap", BTreeMap::new()).unwrap();
     let mut topics = BTreeMap::new();
     for (name, type_name, time, data) in messages {
         let known = topics.get(name).copied();
@@ -95,7 +95,7 @@ pub(crate) fn bag_of(messages: &[Sent]) -> Vec<u8> {
         topics.insert(name, topic);
         bag.message(topic, *time, data).unwrap();
     }
-    bag.finish(&BTreeMap::new()).unwrap().mcap
+    bag.finish().unwrap().mcap
 }
 
 /// Reads a bare file.

@@ -134,19 +134,21 @@ def test_targets_keep_the_limits_and_end_in_a_standstill(handover, ros, clip):
     for target in targets:
         times = [nanoseconds(point.time_from_start) for point in target.points]
         assert times == sorted(set(times)) and times[0] == 0
-        assert len(target.points[0].velocities) == len(joints)
+        assert all(len(point.velocities) == len(joints) for point in target.points)
         for at, joint in enumerate(joints):
             way = way_of(target, joint)
             is_within_limits(way, f"{joint} of the target at {stamp_of(target)}")
             if len(way) == 1:
                 continue
-            # It begins as fast as it says, and whoever stands at the end came from no farther away.
-            first, last = ((other[0] - one[0]) * 1e-9 for one, other in (way[:2], way[-2:]))
-            linear = target.points[0].velocities[at].linear
-            onward = [place + first * speed for place, speed
-                      in zip(way[0][1], (linear.x, linear.y, linear.z), strict=True)]
-            assert distance(onward, way[1][1]) <= FAIR * ACCELERATION * first**2 / 2 + 1e-9
-            assert distance(way[-2][1], way[-1][1]) <= FAIR * ACCELERATION * last**2 / 2 + 1e-9
+            # It goes on from each point as fast as it says there, and stands at the end.
+            speeds = [point.velocities[at].linear for point in target.points]
+            for (then, place), (later, next_place), speed in zip(way, way[1:], speeds,
+                                                                 strict=False):
+                time = (later - then) * 1e-9
+                onward = [x + time * v for x, v in
+                          zip(place, (speed.x, speed.y, speed.z), strict=True)]
+                assert distance(onward, next_place) <= FAIR * ACCELERATION * time**2 / 2 + 1e-9
+            assert distance((speeds[-1].x, speeds[-1].y, speeds[-1].z), (0, 0, 0)) < 1e-9
     assert max(len(target.points) for target in targets) > 3
     # filter.stale is 0.2 s; the tick after that is the first that holds.
     stale = next(at for at, target in enumerate(targets) if stamp_of(target) > seen + 220_000_000)

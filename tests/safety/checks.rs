@@ -157,7 +157,7 @@ impl Watch {
     #[track_caller]
     fn check_plan(&self, target: &Target, ahead: Span) {
         const CLOSE: i64 = 400_000;
-        let nodes: Vec<_> = (0..4)
+        let nodes: Vec<(Stamp, Vec<Point>)> = (0..4)
             .map(|k| {
                 let (mut pose, ahead) = (target.positions().to_vec(), ahead.0 + k * CLOSE);
                 target.positions_at(Span(ahead), &mut pose);
@@ -166,6 +166,13 @@ impl Watch {
             .collect();
         for count in 2..=4 {
             self.check_derivatives(&nodes[..count]);
+        }
+        // What is said of velocities is what places do, to the square of the time between them.
+        let mut said = target.velocities().to_vec();
+        target.velocities_at(Span(nodes[1].0.0), &mut said);
+        for (at, said) in said.iter().enumerate() {
+            let done = (nodes[2].1[at] - nodes[0].1[at]) / (2e-9 * CLOSE as f64);
+            assert!((said - done).norm() < 1e-3, "{said} m/s said, {done} m/s done");
         }
     }
 

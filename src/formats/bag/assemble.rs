@@ -40,7 +40,7 @@ pub(super) fn recording(
     }
     // A robot's frame is the one that it is to work in.
     let frame = two[1].track.seen.first().map_or_else(String::new, |seen| seen.frame.to_string());
-    let view = View { frame: &frame, statics: &collected.statics, up };
+    let view = View { frame: &frame, tree: &collected.frames, up };
     let tracks = two.iter_mut().map(|candidate| &mut candidate.track);
     tracks.chain(&mut objects).for_each(|track| view.turn(track, violations));
     let mut whole = |candidate: Candidate, violations: &mut Violations| {

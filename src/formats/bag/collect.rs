@@ -92,7 +92,7 @@ pub(super) struct Collected {
     topics: BTreeMap<String, Topic>,
     tracks: BTreeMap<(Kind, usize, Option<u32>), Track>,
     assemblers: BTreeMap<String, TransformAssembler>,
-    pub(super) statics: FrameTree,
+    pub(super) frames: FrameTree,
     pub(super) custom_data: BTreeMap<String, String>,
     pub(super) violations: Violations,
 }
@@ -123,6 +123,12 @@ impl Collected {
                 // The first is the folder's own; files repeat it.
                 if self.custom_data.is_empty() {
                     self.custom_data = folder::custom_data(text);
+                }
+            }
+            Event::CustomData(words) => {
+                if self.custom_data.is_empty() {
+                    let owned = |(key, word): (&&str, &&str)| ((*key).into(), (*word).into());
+                    self.custom_data = words.iter().map(owned).collect();
                 }
             }
         }
@@ -164,10 +170,12 @@ impl Collected {
             }
             Use::Transforms => {
                 let assembler = self.assemblers.entry(topic.to_owned()).or_default();
-                let bodies = assembler.take(&read(data)?);
+                let tree = read(data)?;
+                self.frames.record(&tree);
+                let bodies = assembler.take(&tree);
                 bodies.into_iter().for_each(|body| add(Kind::Transforms, body));
             }
-            Use::Statics => self.statics.fix(&read(data)?),
+            Use::Statics => self.frames.fix(&read(data)?),
             Use::Object => {
                 let pose: PoseStamped = read(data)?;
                 let place = pose.pose.position.into();

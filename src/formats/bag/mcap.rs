@@ -229,6 +229,7 @@ impl Walk<'_, '_> {
                 None => *self.unknown.entry(channel).or_default() += 1,
             },
             Record::Metadata(text) => (self.each)(Event::Metadata(text)),
+            Record::CustomData(words) => (self.each)(Event::CustomData(&words)),
             Record::Other => {}
         }
     }

@@ -29,6 +29,8 @@ pub use losses::Loss;
 pub use people::{PARTNER, ROBOT};
 pub use write::{WriteError, Writer, Written, write};
 
+use std::collections::BTreeMap;
+
 use super::error::{ReadError, Reason, Violations, shortened};
 use super::up::UpAxis;
 use super::{Format, Place};
@@ -88,6 +90,8 @@ enum Event<'a> {
     Message { topic: &'a str, type_name: &'a str, encoding: &'a str, time: Stamp, data: &'a [u8] },
     /// What `metadata.yaml` holds, where the file has it too.
     Metadata(&'a str),
+    /// What we wrote down about the recording.
+    CustomData(&'a BTreeMap<&'a str, &'a str>),
 }
 
 /// Reads a recording of two people.

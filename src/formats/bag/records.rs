@@ -3,7 +3,16 @@
 //!
 //! Numbers have their lowest byte first, a text its length before it (mcap.dev/spec).
 
+use std::collections::BTreeMap;
+
 use mcap::records::op;
+
+/// The name of the words about a bag that `rosbag2` writes at its end.
+pub(super) const ROSBAG: &str = "rosbag2";
+/// The key under which they hold the text of `metadata.yaml`.
+pub(super) const ROSBAG_TEXT: &str = "serialized_metadata";
+/// The name of the words about a recording that we write at its beginning.
+pub(super) const CUSTOM_DATA: &str = "handover_mesh";
 
 /// A record of the kinds that are of use.
 #[derive(Debug, PartialEq, Eq)]
@@ -16,6 +25,8 @@ pub(super) enum Record<'a> {
     Message { channel: u16, log_time: u64, data: &'a [u8] },
     /// Words about the bag, `rosbag2`'s own.
     Metadata(&'a str),
+    /// Words about the bag, ours.
+    CustomData(BTreeMap<&'a str, &'a str>),
     /// Of no use.
     Other,
 }
@@ -36,16 +47,14 @@ pub(super) fn parse(opcode: u8, body: &[u8]) -> Option<Record<'_>> {
                 (fields.u16()?, fields.u32()?, fields.u64()?, fields.u64()?);
             Record::Message { channel, log_time, data: fields.0 }
         }
-        op::METADATA if fields.text()? == "rosbag2" => {
-            let length = fields.u32()?;
-            let mut map = Fields(fields.bytes(length.into())?);
-            let mut text = None;
-            while !map.0.is_empty() {
-                let (key, value) = (map.text()?, map.text()?);
-                text = if key == "serialized_metadata" { Some(value) } else { text };
-            }
-            text.map_or(Record::Other, Record::Metadata)
-        }
+        op::METADATA => match fields.text()? {
+            ROSBAG => match fields.map()?.remove(ROSBAG_TEXT) {
+                Some(text) => Record::Metadata(text),
+                None => Record::Other,
+            },
+            CUSTOM_DATA => Record::CustomData(fields.map()?),
+            _ => Record::Other,
+        },
         _ => Record::Other,
     })
 }
@@ -107,5 +116,15 @@ impl<'a> Fields<'a> {
     fn text(&mut self) -> Option<&'a str> {
         let length = self.u32()?;
         std::str::from_utf8(self.bytes(length.into())?).ok()
+    }
+
+    fn map(&mut self) -> Option<BTreeMap<&'a str, &'a str>> {
+        let length = self.u32()?;
+        let mut entries = Fields(self.bytes(length.into())?);
+        let mut map = BTreeMap::new();
+        while !entries.0.is_empty() {
+            map.insert(entries.text()?, entries.text()?);
+        }
+        Some(map)
     }
 }

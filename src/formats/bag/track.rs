@@ -13,7 +13,7 @@ use super::super::up::UpAxis;
 use super::collect::Track;
 use super::people::Candidate;
 use crate::frames::FrameTree;
-use crate::geometry::{Isometry, Point};
+use crate::geometry::Point;
 use crate::skeleton::{Part, Skeleton, SkeletonError};
 use crate::time::Stamp;
 
@@ -52,26 +52,24 @@ impl Timeline {
 /// How a track's places are seen from the frame of all: nothing changes in that frame itself.
 pub(super) struct View<'a> {
     pub(super) frame: &'a str,
-    pub(super) statics: &'a FrameTree,
+    pub(super) tree: &'a FrameTree,
     pub(super) up: UpAxis,
 }
 
 impl View<'_> {
     /// Turns a track's places, whose frame is its first message's; what is in others is noted.
     pub(super) fn turn(&self, track: &mut Track, violations: &mut Violations) {
-        let mut known: BTreeMap<String, Option<Isometry>> = BTreeMap::new();
         for seen in &mut track.seen {
             let place = || Place::Message { topic: track.topic.clone(), number: seen.number };
             if *seen.frame != *self.frame {
-                let found = known.entry(seen.frame.to_string());
-                let between = || self.statics.between(self.frame, &seen.frame, Stamp(0));
-                let Some(here_from_there) = found.or_insert_with(between) else {
+                let between = self.tree.between(self.frame, &seen.frame, seen.stamp);
+                let Some(here_from_there) = between else {
                     let (frame, other) = (shortened(&seen.frame), shortened(self.frame));
                     violations.add(place(), Reason::Frames { frame, other });
                     continue;
                 };
                 for point in &mut seen.places {
-                    *point = *here_from_there * *point;
+                    *point = here_from_there * *point;
                 }
             }
             for (name, point) in seen.names.iter().zip(&mut seen.places) {

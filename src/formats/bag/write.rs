@@ -7,7 +7,7 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::{Compression, WriteOptions};
 
 use super::folder::{self, TopicEntry};
-use super::{definitions, people};
+use super::{definitions, people, records};
 use crate::bodies::{Body, to_joint_state};
 use crate::messages::{Header, Message, Pose, PoseStamped, Time, encode};
 use crate::skeleton::{Part, Recording};
@@ -82,10 +82,10 @@ pub struct Written {
 /// use handover_mesh::Stamp;
 /// use handover_mesh::formats::bag::{File, Writer, messages};
 /// use handover_mesh::messages::{Message, Text, encode};
-/// let mut bag = Writer::new("talk_0.mcap")?;
+/// let mut bag = Writer::new("talk_0.mcap", Default::default())?;
 /// let topic = bag.topic("/state", Text::TYPE, true)?;
 /// bag.message(topic, Stamp(7), &encode(&Text { data: "approach".to_owned() }))?;
-/// let written = bag.finish(&Default::default())?;
+/// let written = bag.finish()?;
 /// let file = File { name: "talk_0.mcap", bytes: Some(&written.mcap) };
 /// let mut found = Vec::new();
 /// messages(&[file], |message| found.push((message.topic.to_owned(), message.time)))?;
@@ -95,6 +95,7 @@ pub struct Written {
 pub struct Writer {
     file: String,
     mcap: mcap::Writer<Cursor<Vec<u8>>>,
+    custom_data: BTreeMap<String, String>,
     topics: Vec<Topic>,
     between: Option<[Stamp; 2]>,
 }
@@ -115,10 +116,12 @@ impl Writer {
     /// An empty bag.
     ///
     /// - `file`: the name that the metadata give the MCAP file.
+    /// - `custom_data`: what is to be known of it; it stands at both ends, so that a bag that is cut
+    ///   off keeps it.
     ///
     /// # Errors
     /// [`WriteError::Mcap`], if there is no memory.
-    pub fn new(file: &str) -> Result<Self, WriteError> {
+    pub fn new(file: &str, custom_data: BTreeMap<String, String>) -> Result<Self, WriteError> {
         let options = WriteOptions::new()
             .profile("ros2")
             .library("handover_mesh")
@@ -126,8 +129,13 @@ impl Writer {
             .compression(Some(Compression::Zstd))
             // More would make bytes depend on the machine.
             .compression_threads(0);
-        let mcap = options.create(Cursor::new(Vec::new()))?;
-        Ok(Self { file: file.to_owned(), mcap, topics: Vec::new(), between: None })
+        let mut mcap = options.create(Cursor::new(Vec::new()))?;
+        if !custom_data.is_empty() {
+            let (name, metadata) = (records::CUSTOM_DATA.to_owned(), custom_data.clone());
+            mcap.write_metadata(&Metadata { name, metadata })?;
+        }
+        let file = file.to_owned();
+        Ok(Self { file, mcap, custom_data, topics: Vec::new(), between: None })
     }
 
     /// Adds a topic.
@@ -187,11 +195,9 @@ impl Writer {
 
     /// The bag's bytes.
     ///
-    /// - `custom_data`: what is to be known of it.
-    ///
     /// # Errors
     /// [`WriteError::Mcap`].
-    pub fn finish(mut self, custom_data: &BTreeMap<String, String>) -> Result<Written, WriteError> {
+    pub fn finish(mut self) -> Result<Written, WriteError> {
         let topics = self.topics.iter().map(|topic| TopicEntry {
             name: &topic.name,
             type_name: &topic.type_name,
@@ -201,10 +207,10 @@ impl Writer {
         });
         let topics: Vec<TopicEntry<'_>> = topics.collect();
         let between = self.between.unwrap_or_default();
-        let metadata = folder::text(&self.file, &topics, between, custom_data);
+        let metadata = folder::text(&self.file, &topics, between, &self.custom_data);
         self.mcap.write_metadata(&Metadata {
-            name: "rosbag2".to_owned(),
-            metadata: [("serialized_metadata".to_owned(), metadata.clone())].into(),
+            name: records::ROSBAG.to_owned(),
+            metadata: [(records::ROSBAG_TEXT.to_owned(), metadata.clone())].into(),
         })?;
         self.mcap.finish()?;
         let mcap = self.mcap.into_inner().into_inner();
@@ -224,7 +230,11 @@ impl Writer {
 /// [`WriteError`] if the recording holds what a bag cannot.
 pub fn write(recording: &Recording, file: &str) -> Result<Written, WriteError> {
     check(recording)?;
-    let mut bag = Writer::new(file)?;
+    let mut custom_data = recording.metadata().clone();
+    let names = recording.people().each_ref().map(|person| person.name.clone());
+    let names = serde_json::Value::from(names.to_vec()).to_string();
+    custom_data.insert(people::PEOPLE.to_owned(), names);
+    let mut bag = Writer::new(file, custom_data)?;
     let mut skeletons = Vec::new();
     for person in recording.people() {
         let name = format!("/{}/skeleton", person.name);
@@ -258,11 +268,7 @@ pub fn write(recording: &Recording, file: &str) -> Result<Written, WriteError> {
             bag.message(topic, *time, &encode(&pose(*time, *place)))?;
         }
     }
-    let mut custom_data = recording.metadata().clone();
-    let names = recording.people().each_ref().map(|person| person.name.clone());
-    let names = serde_json::Value::from(names.to_vec()).to_string();
-    custom_data.insert(people::PEOPLE.to_owned(), names);
-    bag.finish(&custom_data)
+    bag.finish()
 }
 
 fn pose(stamp: Stamp, place: crate::geometry::Point) -> PoseStamped {

@@ -134,11 +134,13 @@ fn trajectory(model: &OnlineModel, target: &Target, header: Header) -> MultiDofT
     };
     let mut points = vec![point(Span(0), target.positions(), target.velocities())];
     if stands_in.0 > 0 {
-        let mut joints = target.positions().to_vec();
+        let (mut joints, mut velocities) =
+            (target.positions().to_vec(), target.velocities().to_vec());
         let between = (1..).map(|k| Span(k * step)).take_while(|ahead| *ahead < stands_in);
         points.extend(between.chain([stands_in]).map(|ahead| {
             target.positions_at(ahead, &mut joints);
-            point(ahead, &joints, &[])
+            target.velocities_at(ahead, &mut velocities);
+            point(ahead, &joints, &velocities)
         }));
     }
     MultiDofTrajectory { header, joint_names: skeleton.names().to_vec(), points }
