@@ -4,7 +4,7 @@
 //! from. Fixed edges hold for ever, moving ones as long as they are heard of. A frame without a name
 //! is any frame.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 use nalgebra::{Quaternion, UnitQuaternion};
@@ -13,7 +13,7 @@ use crate::geometry::{Isometry, Vector};
 use crate::messages::{Transform, TransformTree};
 use crate::time::Stamp;
 
-/// The newest edge of each child, or what they were at any time.
+/// How frames lie to each other, as of any moment that is remembered.
 ///
 /// ```
 /// use handover_mesh::frames::FrameTree;
@@ -27,15 +27,24 @@ use crate::time::Stamp;
 /// };
 /// let mut tree = FrameTree::default();
 /// tree.fix(&TransformTree { transforms: vec![edge] });
-/// let world_from_camera = tree.between("world", "/camera", Stamp(0)).unwrap();
+/// let world_from_camera = tree.between("world", "/camera", [Stamp(0); 2]).unwrap();
 /// assert_eq!(world_from_camera * Point::origin(), Point::new(0., 0., 2.));
-/// assert_eq!(tree.between("world", "moon", Stamp(0)), None);
+/// assert_eq!(tree.between("world", "moon", [Stamp(0); 2]), None);
 /// ```
 #[derive(Debug, Clone, Default)]
 pub struct FrameTree {
     fixed: BTreeMap<String, Edge>,
-    /// The newest last.
-    moving: BTreeMap<String, Vec<(Stamp, Edge)>>,
+    moving: BTreeMap<String, Moving>,
+    /// When it was last gone through for what has not been heard of for long.
+    swept: Option<Stamp>,
+}
+
+/// An edge that moves, as of some moments, the newest last.
+#[derive(Debug, Clone, Default)]
+struct Moving {
+    /// When it was heard last; nobody asks of what was recorded.
+    heard: Option<Stamp>,
+    known: VecDeque<(Stamp, Edge)>,
 }
 
 #[derive(Debug, Clone)]
@@ -47,6 +56,8 @@ struct Edge {
 impl FrameTree {
     /// A moving edge not heard of for so long `[s]` holds no more.
     pub const STALE: f64 = 1.0;
+    /// Of how many moments an edge is remembered: a second, if it is told at 200 Hz.
+    const REMEMBERED: usize = 200;
     /// No tree has so many frames; more are not kept.
     const MOST: usize = 1 << 14;
     /// No frame is so deep in the tree; a ring ends here.
@@ -61,82 +72,132 @@ impl FrameTree {
         }
     }
 
-    /// Takes in edges that move, as of `now`, in place of those before; one that is no rigid motion
-    /// is left out.
+    /// Takes in edges that move, heard at `now`; one that is no rigid motion is left out. Those of
+    /// the last second are remembered, so that what was seen a moment ago is put where its frame was
+    /// then.
     pub fn take(&mut self, tree: &TransformTree, now: Stamp) {
-        for (child, _, edge) in edges(tree) {
-            if let Some(known) = self.moving_edges(child) {
-                known.clear();
-                known.push((now, edge));
+        for (child, stamp, edge) in edges(tree) {
+            let Some(moving) = self.moving(child, now) else { continue };
+            if moving.heard.is_some_and(|heard| now < heard) {
+                // The clock was set back: nothing of what was holds.
+                moving.known.clear();
+            }
+            moving.heard = Some(now);
+            moving.insert(if stamp == Stamp(0) { now } else { stamp }, edge);
+            let newest = moving.known.back().map_or(now, |(stamp, _)| *stamp);
+            while let Some((oldest, _)) = moving.known.front()
+                && (moving.known.len() > Self::REMEMBERED
+                    || (newest - *oldest).seconds() > Self::STALE)
+            {
+                moving.known.pop_front();
             }
         }
     }
 
-    /// Takes in edges that move, each as of its own stamp, beside those before: what is asked about
-    /// the past is answered by the newest that was known then.
+    /// Takes in edges that move, all that there ever were: they are remembered for ever.
     pub fn record(&mut self, tree: &TransformTree) {
-        for (child, stamp, mut edge) in edges(tree) {
-            if let Some(known) = self.moving_edges(child) {
-                let at = known.partition_point(|(known, _)| *known <= stamp);
-                // The parent is mostly the same: a recording has very many edges.
-                let same = at.checked_sub(1).map(|before| &known[before].1.parent);
-                if let Some(same) = same.filter(|same| **same == edge.parent) {
-                    edge.parent = same.clone();
-                }
-                known.insert(at, (stamp, edge));
+        for (child, stamp, edge) in edges(tree) {
+            if let Some(moving) = self.moving(child, stamp) {
+                moving.insert(stamp, edge);
             }
         }
     }
 
     /// Those of a child; none if there are too many children.
-    fn moving_edges(&mut self, child: &str) -> Option<&mut Vec<(Stamp, Edge)>> {
+    fn moving(&mut self, child: &str, now: Stamp) -> Option<&mut Moving> {
+        let is_full = self.moving.len() >= Self::MOST && !self.moving.contains_key(child);
+        // A tracker that gives ever new numbers is not to use up the room for ever.
+        if is_full && self.swept.is_none_or(|swept| !is_fresh(swept, now)) {
+            self.swept = Some(now);
+            self.moving.retain(|_, moving| moving.is_heard(now));
+        }
         if self.moving.len() >= Self::MOST && !self.moving.contains_key(child) {
             return None;
         }
         Some(self.moving.entry(child.to_owned()).or_default())
     }
 
-    /// `to_from_from` `[m]` at `now`, if the tree joins the two.
-    pub fn between(&self, to: &str, from: &str, now: Stamp) -> Option<Isometry> {
+    /// `to_from_from` `[m]`, if the tree joins the two. Between two moments that are known a moving
+    /// edge is on the shortest way; before the first and after the last it is as there.
+    ///
+    /// - `when`: the moment that is asked about, by the edges' stamps; and now, by the clock that
+    ///   [`Self::take`] is told.
+    pub fn between(&self, to: &str, from: &str, when: [Stamp; 2]) -> Option<Isometry> {
         let (to, from) = (bare(to), bare(from));
         if to == from || to.is_empty() || from.is_empty() {
             return Some(Isometry::identity());
         }
-        let above_to: Vec<(&str, Isometry)> = self.above(to, now).collect();
-        self.above(from, now).find_map(|(ancestor, ancestor_from_from)| {
+        let above_to: Vec<(&str, Isometry)> = self.above(to, when).collect();
+        self.above(from, when).find_map(|(ancestor, ancestor_from_from)| {
             let (_, ancestor_from_to) = above_to.iter().find(|(name, _)| *name == ancestor)?;
             Some(ancestor_from_to.inverse() * ancestor_from_from)
         })
     }
 
-    /// Whether a frame is another one or hangs from it, at `now`.
-    pub fn is_below(&self, frame: &str, ancestor: &str, now: Stamp) -> bool {
-        self.above(bare(frame), now).any(|(name, _)| name == bare(ancestor))
+    /// Whether a frame is another one or hangs from it; `when` as of [`Self::between`].
+    pub fn is_below(&self, frame: &str, ancestor: &str, when: [Stamp; 2]) -> bool {
+        self.above(bare(frame), when).any(|(name, _)| name == bare(ancestor))
     }
 
     /// A frame and those above it, each with `that_from_frame`.
     fn above<'a>(
         &'a self,
         frame: &'a str,
-        now: Stamp,
+        when: [Stamp; 2],
     ) -> impl Iterator<Item = (&'a str, Isometry)> {
         let up = move |(name, from_frame): &(&'a str, Isometry)| {
-            let Edge { parent, parent_from_child } = self.edge(name, now)?;
-            Some((&**parent, parent_from_child * from_frame))
+            let (parent, parent_from_child) = self.edge(name, when)?;
+            Some((parent, parent_from_child * from_frame))
         };
         std::iter::successors(Some((frame, Isometry::identity())), up).take(Self::DEEPEST)
     }
 
-    fn edge(&self, child: &str, now: Stamp) -> Option<&Edge> {
-        let newest = self.moving.get(child).and_then(|known| {
-            // Who is told as of a moment that is still to come, is told of now too.
-            let after = known.partition_point(|(stamp, _)| *stamp <= now);
-            known.get(after.saturating_sub(1))
-        });
-        let fresh = |heard: Stamp| (now - heard).seconds().abs() <= Self::STALE;
-        let moving = newest.filter(|(heard, _)| fresh(*heard)).map(|(_, edge)| edge);
-        moving.or_else(|| self.fixed.get(child))
+    /// The parent, and how the child lies to it.
+    fn edge(&self, child: &str, [at, now]: [Stamp; 2]) -> Option<(&str, Isometry)> {
+        let moving = self.moving.get(child).filter(|moving| moving.is_heard(now));
+        let fixed = || self.fixed.get(child).map(|edge| (&*edge.parent, edge.parent_from_child));
+        moving.and_then(|moving| moving.at(at)).or_else(fixed)
     }
+}
+
+impl Moving {
+    fn is_heard(&self, now: Stamp) -> bool {
+        self.heard.is_none_or(|heard| is_fresh(heard, now))
+    }
+
+    fn insert(&mut self, stamp: Stamp, mut edge: Edge) {
+        let at = self.known.partition_point(|(known, _)| *known <= stamp);
+        // The parent is mostly the same: a recording has very many edges.
+        let same = at.checked_sub(1).map(|before| &self.known[before].1.parent);
+        if let Some(same) = same.filter(|same| **same == edge.parent) {
+            edge.parent = same.clone();
+        }
+        self.known.insert(at, (stamp, edge));
+    }
+
+    fn at(&self, at: Stamp) -> Option<(&str, Isometry)> {
+        let after = self.known.partition_point(|(stamp, _)| *stamp <= at);
+        let next = self.known.get(after);
+        let (then, edge) = self.known.get(after.saturating_sub(1)).or(next)?;
+        let here = edge.parent_from_child;
+        let near = |stamp: Stamp| is_fresh(stamp, at);
+        // Who is asked about a moment long before or after all that is known, knows nothing.
+        if !near(*then) {
+            return None;
+        }
+        let there =
+            next.filter(|(later, next)| at > *then && near(*later) && next.parent == edge.parent);
+        let between = there.and_then(|(later, next)| {
+            let part = (at - *then).seconds() / (*later - *then).seconds();
+            here.try_lerp_slerp(&next.parent_from_child, part, 1e-6)
+        });
+        Some((&*edge.parent, between.unwrap_or(here)))
+    }
+}
+
+/// Whether something is near enough in time to hold.
+fn is_fresh(then: Stamp, now: Stamp) -> bool {
+    (now - then).seconds().abs() <= FrameTree::STALE
 }
 
 /// Each child with its edge, as of when.
@@ -197,41 +258,83 @@ mod tests {
         let now = Stamp(5_000_000_000);
         tree.take(&TransformTree { transforms: vec![edge("camera", "depth", &lens)] }, now);
         let expected = world.inverse() * mount * lens;
-        let found = tree.between("world", "/depth", now).unwrap();
+        let found = tree.between("world", "/depth", [now; 2]).unwrap();
         let p = Point::new(0.3, -0.2, 1.4);
         assert!((found * p - expected * p).norm() < 1e-12);
-        assert_eq!(tree.between("world", "", now), Some(Isometry::identity()));
-        assert_eq!(tree.between("world", "elsewhere", now), None);
+        assert_eq!(tree.between("world", "", [now; 2]), Some(Isometry::identity()));
+        assert_eq!(tree.between("world", "elsewhere", [now; 2]), None);
         // What moves and is heard of no more is nowhere; what is fixed stays.
         let later = Stamp(now.0 + 1_100_000_000);
-        assert_eq!(tree.between("world", "depth", later), None);
-        assert!(tree.between("world", "camera", later).is_some());
+        assert_eq!(tree.between("world", "depth", [later; 2]), None);
+        assert!(tree.between("world", "camera", [later; 2]).is_some());
     }
 
     #[test]
     fn what_was_recorded_is_known_of_every_moment() {
         let at = |k: i64| Stamp(k * 100_000_000);
-        let place = |k: i64| yaw_isometry(0.1 * k as f64, Vector::new(k as f64, 0.0, 0.0));
+        let place = |k: f64| yaw_isometry(0.1 * k, Vector::new(k, 0.0, 0.0));
         let mut tree = FrameTree::default();
         // Not quite in order, as publishers are heard.
         for k in [1, 2, 4, 3, 5] {
-            let mut edge = edge("world", "head", &place(k));
+            let mut edge = edge("world", "head", &place(k as f64));
             edge.header.stamp = crate::messages::Time::of(at(k));
             tree.record(&TransformTree { transforms: vec![edge] });
         }
-        let known = |now: Stamp| tree.between("world", "head", now);
+        let known = |now: Stamp| tree.between("world", "head", [now; 2]);
         let near = |a: Isometry, b: Isometry| {
             (a.inverse() * b).translation.vector.norm() < 1e-12
                 && a.rotation.angle_to(&b.rotation) < 1e-12
         };
-        for k in 1..=5 {
-            assert!(near(known(at(k)).unwrap(), place(k)), "{k}");
-            assert!(near(known(Stamp(at(k).0 + 99_999_999)).unwrap(), place(k)), "{k}");
+        for k in 1..5 {
+            assert!(near(known(at(k)).unwrap(), place(k as f64)), "{k}");
+            let later = known(Stamp(at(k).0 + 75_000_000)).unwrap();
+            assert!(near(later, place(k as f64 + 0.75)), "{k}");
         }
-        // Just before the first, and long after the last.
-        assert!(near(known(Stamp(0)).unwrap(), place(1)));
+        // Just before the first and after the last, and long after.
+        assert!(near(known(Stamp(0)).unwrap(), place(1.0)));
+        assert!(near(known(at(9)).unwrap(), place(5.0)));
         assert!(known(Stamp(at(5).0 + 1_000_000_001)).is_none());
         assert!(known(Stamp(at(1).0 - 1_000_000_001)).is_none());
+    }
+
+    #[test]
+    fn what_is_heard_is_remembered_for_a_moment() {
+        let place = |at: i64| yaw_isometry(at as f64 * 1e-9, Vector::x());
+        let mut tree = FrameTree::default();
+        // 50 Hz, heard 40 ms late.
+        for at in (0..200).map(|k| k * 20_000_000 + 1_000_000_000) {
+            let mut edge = edge("world", "head", &place(at));
+            edge.header.stamp = crate::messages::Time::of(Stamp(at));
+            tree.take(&TransformTree { transforms: vec![edge] }, Stamp(at + 40_000_000));
+        }
+        let (last, now) = (1_000_000_000 + 199 * 20_000_000, Stamp(1_000_000_000 + 4_020_000_000));
+        let off = |tree: &FrameTree, at: i64| {
+            let head = tree.between("world", "head", [Stamp(at), now])?;
+            Some(head.rotation.angle_to(&place(at).rotation))
+        };
+        for before in [0, 7_000_000, 33_000_000, 90_000_000, 900_000_000] {
+            assert!(off(&tree, last - before).unwrap() < 1e-9, "{before}");
+        }
+        assert!(tree.moving["head"].known.len() <= 51);
+        // Nothing of what was holds when the clock is set back, or when nothing is heard any more.
+        let mut back = tree.clone();
+        let early = TransformTree { transforms: vec![edge("world", "head", &place(0))] };
+        back.take(&early, Stamp(2_000_000_000));
+        assert_eq!(back.moving["head"].known.len(), 1);
+        assert!(
+            tree.between("world", "head", [Stamp(last), now + crate::Span(1_000_000_001)])
+                .is_none()
+        );
+        // Ever new children do not use up the room.
+        for k in 0..3 * FrameTree::MOST as i64 {
+            let new =
+                TransformTree { transforms: vec![edge("head", &format!("a_{k}"), &place(0))] };
+            tree.take(&new, now + crate::Span(k * 1_000_000));
+        }
+        let at = now + crate::Span(3 * FrameTree::MOST as i64 * 1_000_000);
+        let newest = format!("a_{}", 3 * FrameTree::MOST - 1);
+        assert!(tree.between("head", &newest, [at; 2]).is_some());
+        assert!(tree.moving.len() <= FrameTree::MOST);
     }
 
     #[test]
@@ -243,7 +346,7 @@ mod tests {
         tree.fix(&TransformTree {
             transforms: vec![edge("a", "b", &lens), edge("b", "a", &lens), broken],
         });
-        assert_eq!(tree.between("world", "a", Stamp(0)), None);
-        assert_eq!(tree.between("world", "broken", Stamp(0)), None);
+        assert_eq!(tree.between("world", "a", [Stamp(0); 2]), None);
+        assert_eq!(tree.between("world", "broken", [Stamp(0); 2]), None);
     }
 }

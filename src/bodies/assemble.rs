@@ -47,9 +47,11 @@ pub struct TransformAssembler {
 #[derive(Debug, Clone, Default)]
 struct Open {
     stamp: Stamp,
-    /// Parent and transform of each frame of the body, by its name.
-    frames: BTreeMap<String, (String, Transform)>,
-    joints: usize,
+    /// Parent and transform of each joint's frame, by its name.
+    joints: BTreeMap<String, (String, Transform)>,
+    /// The newest of frames with the body's number that are no joints: these may hang from them, as
+    /// REP-155's do. A robot's `link_1` is called like that too, so they say nothing of when.
+    others: BTreeMap<String, (String, Transform)>,
     /// How many joints the body before had.
     expected: Option<usize>,
     /// With how many joints it was handed out already.
@@ -71,17 +73,23 @@ impl TransformAssembler {
                 self.forget_oldest();
             }
             let open = self.open.entry(name.id).or_default();
+            let place = (frame(&edge.header.frame_id), edge.transform);
+            if name.joint.is_none() {
+                if open.others.len() < MOST_FRAMES || open.others.contains_key(&child) {
+                    open.others.insert(child, place);
+                }
+                continue;
+            }
             let stamp = edge.header.stamp.stamp();
             let apart = (stamp - open.stamp).0.saturating_abs() > TOGETHER.0;
-            if !open.frames.is_empty() && (apart || open.frames.contains_key(&child)) {
+            if !open.joints.is_empty() && (apart || open.joints.contains_key(&child)) {
                 whole.extend(open.close(name.id));
             }
-            if open.frames.is_empty() {
+            if open.joints.is_empty() {
                 open.stamp = stamp;
             }
-            if open.frames.len() < MOST_FRAMES {
-                open.joints += usize::from(name.joint.is_some());
-                open.frames.insert(child, (frame(&edge.header.frame_id), edge.transform));
+            if open.joints.len() < MOST_FRAMES {
+                open.joints.insert(child, place);
                 touched.push(name.id);
             }
         }
@@ -89,7 +97,7 @@ impl TransformAssembler {
         touched.dedup();
         for id in touched {
             let Some(open) = self.open.get_mut(&id) else { continue };
-            if open.expected.is_some_and(|expected| open.joints >= expected) {
+            if open.expected.is_some_and(|expected| open.joints.len() >= expected) {
                 whole.extend(open.hand_out(id));
             }
         }
@@ -115,19 +123,19 @@ impl Open {
     /// The body, unless it was handed out with as many joints; begins the next.
     fn close(&mut self, id: u32) -> Option<Body> {
         let body = self.hand_out(id);
-        let expected = Some(self.joints).filter(|joints| *joints > 0).or(self.expected);
-        *self = Self { expected, ..Self::default() };
+        let expected = Some(self.joints.len()).filter(|joints| *joints > 0).or(self.expected);
+        *self = Self { expected, others: std::mem::take(&mut self.others), ..Self::default() };
         body
     }
 
     fn hand_out(&mut self, id: u32) -> Option<Body> {
-        if self.joints == 0 || self.handed_out == Some(self.joints) {
+        if self.joints.is_empty() || self.handed_out == Some(self.joints.len()) {
             return None;
         }
-        self.handed_out = Some(self.joints);
+        self.handed_out = Some(self.joints.len());
         let mut root = None;
         let mut joints: Vec<(String, Point)> = Vec::new();
-        for name in self.frames.keys() {
+        for name in self.joints.keys() {
             let Some(joint) = joint_of_frame(name).and_then(|name| name.joint) else { continue };
             let Some((parent, place)) = self.place(name) else { continue };
             // One frame for all: a joint that hangs from elsewhere is not where the others are.
@@ -142,15 +150,16 @@ impl Open {
 
     /// Where a frame is, in the first frame up its chain that is not the body's; `None` in a ring.
     fn place(&self, name: &str) -> Option<(&str, Point)> {
-        let (parent, transform) = self.frames.get(name)?;
+        let edge = |name: &str| self.joints.get(name).or_else(|| self.others.get(name));
+        let (parent, transform) = edge(name)?;
         let mut above = parent.as_str();
         let mut place = Point::from(transform.translation);
         let mut steps = 0;
-        while let Some((next, transform)) = self.frames.get(above) {
+        while let Some((next, transform)) = edge(above) {
             place = rotation(transform)? * place + Vector::from(transform.translation);
             above = next.as_str();
             steps += 1;
-            if steps > MOST_FRAMES {
+            if steps > 2 * MOST_FRAMES {
                 return None;
             }
         }
@@ -210,6 +219,31 @@ mod tests {
     }
 
     #[test]
+    fn a_robots_links_with_a_number_are_nobodys_joints() {
+        let joints = ["head", "neck", "torso"];
+        let mut assembler = TransformAssembler::default();
+        let mut found = Vec::new();
+        for at in (0..400).map(|k| i64::from(k) * 1_000_000) {
+            // A link at 100 Hz, a body at 25 Hz in three messages, none at the same moment.
+            if at % 10_000_000 == 3_000_000 {
+                let mut link = to_transforms(&body(1, at, &["head"])).transforms.remove(0);
+                link.child_frame_id = "link_1".into();
+                found.extend(assembler.take(&TransformTree { transforms: vec![link] }));
+            }
+            let part = usize::try_from(at % 40_000_000 / 1_000_000).unwrap();
+            if let Some(joint) = [2, 5, 8].iter().position(|known| *known == part) {
+                let mut edge = to_transforms(&body(1, at - 1, &joints)).transforms;
+                let transforms = vec![edge.swap_remove(joint)];
+                found.extend(assembler.take(&TransformTree { transforms }));
+            }
+        }
+        found.extend(assembler.finish());
+        let seen: Vec<_> = found.iter().map(|body| (body.stamp.0, body.joints.len())).collect();
+        let expected = (0..10).map(|k| (k * 40_000_000 + 1_999_999, 3));
+        assert_eq!(seen, expected.collect::<Vec<_>>());
+    }
+
+    #[test]
     fn chains_are_followed_and_rings_are_not() {
         let half = std::f64::consts::FRAC_1_SQRT_2;
         let edge = |parent: &str, child: &str, x: f64, turn: Turn| TransformStamped {
@@ -248,6 +282,7 @@ mod tests {
         let names: Vec<String> = (0..10_000).map(|k| format!("joint{k}")).collect();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         assembler.take(&to_transforms(&body(1, 0, &names)));
-        assert!(assembler.open[&1].frames.len() <= MOST_FRAMES);
+        assert!(assembler.open[&1].joints.len() <= MOST_FRAMES);
+        assert!(assembler.open[&1].others.len() <= MOST_FRAMES);
     }
 }

@@ -4,7 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Value, json};
 
-use super::{Change, Config, ConfigError, Kind, NodeSettings, Source, Violation, describe};
+use super::{
+    Change, Config, ConfigError, Kind, NodeSettings, RobotState, Source, Violation, describe,
+};
 use crate::geometry::Isometry;
 use crate::parameters::{Parameter, ParameterTable, ParameterValue};
 
@@ -86,10 +88,12 @@ impl Given {
                      first)"
                 ));
             }
-            let alone = [(name.clone(), to_json(value))];
-            let checked = Config::default().with_values(&NodeSettings::default(), alone);
-            if let (true, Err(error)) = (name == "safety.workspace", checked) {
-                return Err(error.to_string());
+            // The table knows the bounds of numbers, not those of lists of them.
+            if name == "safety.workspace" || name.contains("_from_") {
+                let alone = [(name.clone(), to_json(value))];
+                Config::default()
+                    .with_values(&NodeSettings::default(), alone)
+                    .map_err(|error| error.to_string())?;
             }
             let numbers_nobody = table.text("node.source") == "skeleton";
             if name == "node.partner" && numbers_nobody && *value != ParameterValue::Integer(-1) {
@@ -121,6 +125,14 @@ impl Given {
         }
         if node.sensor_frame.is_empty() && node.world_from_sensor != Isometry::identity() {
             refuse("node.world_from_sensor", "is of node.sensor_frame, which is not set");
+        }
+        let has_base = node.world_from_base != Isometry::identity() || !node.base_frame.is_empty();
+        if node.robot_state == RobotState::Reported && has_base {
+            let key = if node.base_frame.is_empty() { "world_from_base" } else { "base_frame" };
+            refuse(
+                &format!("node.{key}"),
+                "means nothing to a robot that reports (node.robot_state)",
+            );
         }
         if violations.is_empty() { Ok(node) } else { Err(ConfigError::Violations(violations)) }
     }
@@ -256,12 +268,25 @@ mod tests {
         let error = given.node(&shown).unwrap_err().to_string();
         assert!(error.contains("node.partner means nothing"), "{error}");
         assert!(error.contains("node.sensor_frame, which is not set"), "{error}");
+        for (name, value) in [
+            ("node.base_frame", ParameterValue::from("table")),
+            ("node.world_from_base", vec![1.0, 0.0, 0.0, 0.0, 0.0, 0.0].into()),
+        ] {
+            let (shown, given) = table(&[(name, value.clone())]);
+            let error = given.node(&shown).unwrap_err().to_string();
+            assert!(error.contains(&format!("{name} means nothing to a robot")), "{error}");
+            let (shown, given) =
+                table(&[(name, value), ("node.robot_state", "demonstrated".into())]);
+            assert!(given.node(&shown).is_ok());
+        }
         let (shown, _) = table(&[]);
         let set = |name: &str, value: ParameterValue, is_configured| {
             Given::may_set(&shown, &[(name.to_owned(), value)], is_configured)
         };
         assert!(set("node.partner", 3.into(), false).is_err());
         assert!(set("safety.workspace", vec![1.0].into(), false).is_err());
+        let far = vec![1e9, 0.0, 0.0, 0.0, 0.0, 0.0];
+        assert!(set("node.world_from_base", far.into(), false).unwrap_err().contains("1000"));
         assert!(set("safety.speed", 1.0.into(), false).is_ok());
         assert!(set("safety.speed", 1.0.into(), true).unwrap_err().contains("clean it up first"));
         assert!(set("node.start_zone", 1.0.into(), true).is_ok());

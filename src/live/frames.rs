@@ -9,7 +9,7 @@ use crate::time::Stamp;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
     "frame '{frame}' is neither the world ('{world}') nor the sensor's ('{sensor}'), and not known \
-     from /tf (hint: node.sensor_frame and node.world_from_sensor)"
+     from /tf at that time (hint: node.sensor_frame and node.world_from_sensor)"
 )]
 pub struct UnknownFrame {
     /// The frame.
@@ -38,8 +38,9 @@ impl Frames {
         }
     }
 
-    /// `world_from_frame` `[m]` at `now`: by the parameters, else by the tree. No frame at all is the
-    /// world.
+    /// `world_from_frame` `[m]`: by the parameters, else by the tree. No frame at all is the world.
+    ///
+    /// - `when`: the moment that is asked about, and now: see [`FrameTree::between`].
     ///
     /// # Errors
     /// [`UnknownFrame`].
@@ -47,15 +48,15 @@ impl Frames {
         &self,
         frame: &str,
         tree: &FrameTree,
-        now: Stamp,
+        when: [Stamp; 2],
     ) -> Result<Isometry, UnknownFrame> {
         let Self { world, sensor, world_from_sensor } = self;
-        let found = if !sensor.is_empty() && tree.is_below(frame, sensor, now) {
+        let found = if !sensor.is_empty() && tree.is_below(frame, sensor, when) {
             // What the parameter says of the sensor counts before what the tree says.
-            let sensor_from_frame = tree.between(sensor, frame, now);
+            let sensor_from_frame = tree.between(sensor, frame, when);
             sensor_from_frame.map(|sensor_from_frame| world_from_sensor * sensor_from_frame)
         } else {
-            tree.between(world, frame, now)
+            tree.between(world, frame, when)
         };
         found.ok_or_else(|| UnknownFrame {
             frame: bare(frame).to_owned(),
@@ -95,7 +96,7 @@ mod tests {
             edge("camera", "depth", 0.2),
             edge("world", "base", 1.0),
         ];
-        let here = |frame: &str, tree: &FrameTree| frames.world_from(frame, tree, Stamp(0));
+        let here = |frame: &str, tree: &FrameTree| frames.world_from(frame, tree, [Stamp(0); 2]);
         assert_eq!(here("camera", &tree).unwrap(), world_from_sensor);
         assert!(here("depth", &tree).is_err());
         tree.fix(&TransformTree { transforms });

@@ -142,8 +142,8 @@ impl Live {
         self.refused.clear();
     }
 
-    /// Where a robot that only does as it is told will stand if nothing more is said, and from when
-    /// on; none before it was told anything, and of a robot that reports.
+    /// Where the robot will stand if nothing more is said, and from when on; none before it was told
+    /// anything.
     pub fn standstill(&self) -> Option<(Vec<Point>, Stamp)> {
         self.robot.standstill()
     }
@@ -217,7 +217,7 @@ impl Live {
     fn place_robot(&mut self, now: Stamp, inputs: &Inputs) {
         if self.node.robot_state == RobotState::Demonstrated {
             if !self.robot.is_placed() {
-                let base = self.frames.world_from(&self.node.base_frame, &inputs.frames, now);
+                let base = self.frames.world_from(&self.node.base_frame, &inputs.frames, [now; 2]);
                 match base {
                     Ok(world_from_frame) => {
                         let base = world_from_frame * self.node.world_from_base;
@@ -236,7 +236,8 @@ impl Live {
         if let Some(reason) = self.untimely(now, body.stamp) {
             return self.refuse(now, "robot_skeleton", reason);
         }
-        match self.frames.world_from(&body.frame, &inputs.frames, now) {
+        let when = [or_now(body.stamp, now), now];
+        match self.frames.world_from(&body.frame, &inputs.frames, when) {
             Ok(world_from_body) => {
                 let place = |name: &str| body.place(name).map(|place| world_from_body * place);
                 if let Err(problem) = self.robot.report(now, place) {
@@ -252,10 +253,15 @@ impl Live {
         if let Some(reason) = self.untimely(now, object.header.stamp.stamp()) {
             return self.refuse(now, "object_pose", reason);
         }
-        match self.frames.world_from(&object.header.frame_id, &inputs.frames, now) {
+        let when = [or_now(object.header.stamp.stamp(), now), now];
+        match self.frames.world_from(&object.header.frame_id, &inputs.frames, when) {
             Ok(world_from_object) => {
                 let place = world_from_object * Point::from(object.pose.position);
-                self.object = Some((now, place)).filter(|(_, place)| is_finite(place));
+                if is_finite(&place) {
+                    self.object = Some((now, place));
+                } else {
+                    self.refuse(now, "object_pose", "its place is no number".to_owned());
+                }
             }
             Err(unknown) => self.refuse(now, "object_pose", unknown.to_string()),
         }
@@ -280,7 +286,8 @@ impl Live {
         let forget = self.model.settings().filter.forget;
         let (mut candidates, mut refused) = (Vec::with_capacity(inputs.bodies.len()), None);
         for body in &inputs.bodies {
-            match self.frames.world_from(&body.frame, &inputs.frames, now) {
+            let when = [or_now(body.stamp, now), now];
+            match self.frames.world_from(&body.frame, &inputs.frames, when) {
                 _ if self.untimely(now, body.stamp).is_some() => {
                     refused = self.untimely(now, body.stamp);
                 }
@@ -315,7 +322,12 @@ impl Live {
         sighting
     }
 
+    /// Words of strangers are kept short, and fit for a log.
     fn refuse(&mut self, now: Stamp, topic: &'static str, reason: String) {
+        /// As long as our own words may become.
+        const LONGEST: usize = 400;
+        let fit = |c: char| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c };
+        let reason = reason.chars().take(LONGEST).map(fit).collect();
         self.refused.insert(topic, (now, reason));
     }
 }

@@ -165,9 +165,12 @@ impl Robot {
         };
         let robot = is_known.then_some(pose.as_slice());
         let tick = pipeline.as_mut()?.tick(&TickInput { robot, ..*input });
-        if let Some(target) = tick.target.filter(|_| !*is_reported) {
-            pose.copy_from_slice(target.positions());
-            let mut stand = standstill.take().map_or_else(|| pose.clone(), |(stand, _)| stand);
+        if let Some(target) = tick.target {
+            if !*is_reported {
+                pose.copy_from_slice(target.positions());
+            }
+            let mut stand =
+                standstill.take().map_or_else(|| target.positions().to_vec(), |(stand, _)| stand);
             target.positions_at(target.stands_in(), &mut stand);
             *standstill = Some((stand, now + target.stands_in()));
         }

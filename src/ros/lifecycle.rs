@@ -4,7 +4,7 @@ use anyhow::{Context as _, Result};
 use r2r::lifecycle_msgs::{msg, srv};
 use r2r::{Node, Publisher, QosProfile, ServiceRequest};
 
-use super::services::Requests;
+use super::services::{Answers, Requests};
 use super::shell::RosClock;
 use crate::lifecycle::{Lifecycle, Outcome, State, Step, TRANSITIONS, Transition};
 
@@ -23,23 +23,28 @@ pub(super) struct LifecycleServer {
 impl LifecycleServer {
     /// # Errors
     /// If a service cannot be offered.
-    pub(super) fn new(node: &mut Node, clock: RosClock) -> Result<Self> {
+    pub(super) fn new(node: &mut Node, clock: RosClock, answers: &Answers) -> Result<Self> {
         let quality = QosProfile::default();
         let events = node.create_publisher("~/transition_event", quality);
         Ok(Self {
             life: Lifecycle::default(),
             clock,
             events: events.context("~/transition_event")?,
-            change: Requests::new(node, "~/change_state")?,
-            state: Requests::new(node, "~/get_state")?,
-            states: Requests::new(node, "~/get_available_states")?,
-            transitions: Requests::new(node, "~/get_available_transitions")?,
-            graph: Requests::new(node, "~/get_transition_graph")?,
+            change: Requests::new(node, "~/change_state", answers)?,
+            state: Requests::new(node, "~/get_state", answers)?,
+            states: Requests::new(node, "~/get_available_states", answers)?,
+            transitions: Requests::new(node, "~/get_available_transitions", answers)?,
+            graph: Requests::new(node, "~/get_transition_graph", answers)?,
         })
     }
 
     pub(super) fn state(&self) -> State {
         self.life.state()
+    }
+
+    /// Whether somebody hears how the steps go.
+    pub(super) fn is_heard(&self) -> bool {
+        self.events.get_inter_process_subscription_count().is_ok_and(|count| count > 0)
     }
 
     /// Answers every question that has come in.

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result, anyhow, bail};
 
@@ -16,6 +17,9 @@ use crate::model::Model;
 use crate::online::OnlineModel;
 use crate::parameters::ParameterTable;
 use crate::predict::Predictor;
+
+/// After so long whoever wants to hear does, also on a busy machine.
+const LISTENING: Duration = Duration::from_secs(1);
 
 /// What configuring leaves.
 pub(super) struct Loaded {
@@ -31,6 +35,7 @@ pub(super) struct Loaded {
 
 /// A model on its way.
 pub(super) struct Loading {
+    began: Instant,
     thread: JoinHandle<Result<Loaded>>,
     /// Who wants to know; nobody if the node configures itself.
     pub(super) asker: Option<Asker>,
@@ -41,11 +46,18 @@ impl Loading {
     ///
     /// - `table`: the parameters as they are.
     pub(super) fn begin(given: Given, table: ParameterTable, asker: Option<Asker>) -> Self {
-        Self { thread: thread::spawn(move || load(&given, &table)), asker }
+        #[expect(clippy::disallowed_methods, reason = "a shell: peers need time to listen")]
+        let began = Instant::now();
+        Self { began, thread: thread::spawn(move || load(&given, &table)), asker }
     }
 
-    pub(super) fn is_done(&self) -> bool {
-        self.thread.is_finished()
+    /// Whether it has come to its end, and whoever asked can hear that: launch goes on by the event
+    /// of it, and can be heard before it hears.
+    ///
+    /// - `is_heard`: whether anybody hears events.
+    pub(super) fn is_done(&self, is_heard: bool) -> bool {
+        let may_end = self.asker.is_none() || is_heard || self.began.elapsed() > LISTENING;
+        self.thread.is_finished() && may_end
     }
 
     /// What has come of it, and who wants to know.

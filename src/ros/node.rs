@@ -12,7 +12,7 @@ use super::inbox::Inbox;
 use super::lifecycle::{Asker, LifecycleServer};
 use super::load::{Loaded, Loading};
 use super::parameters::{ParameterServer, ParameterServerError, started_with};
-use super::shell::Stop;
+use super::shell::{Stop, line};
 use super::subscriptions::Subscriptions;
 use super::ticker::{Command, Publishers, Ticker, Ticking};
 use super::triggers::{Asked, Triggers};
@@ -39,7 +39,7 @@ pub fn run() -> ExitCode {
         handover.spin(&mut node, &stop)
     };
     let Err(error) = run() else { return ExitCode::SUCCESS };
-    r2r::log_error!(NAME, "{error:#}");
+    r2r::log_error!(NAME, "{}", line(format_args!("{error:#}")));
     let refused = error.downcast_ref::<ParameterServerError>();
     let is_usage = matches!(refused, Some(ParameterServerError::Refused(_)))
         || error.is::<ArgumentsError>()
@@ -85,8 +85,8 @@ impl Handover {
         };
         let ticker = Ticker::new(ticking)?;
         let mut handover = Self {
-            lifecycle: LifecycleServer::new(node, parameters.clock())?,
-            triggers: Triggers::new(node)?,
+            lifecycle: LifecycleServer::new(node, parameters.clock(), parameters.answers())?,
+            triggers: Triggers::new(node, parameters.answers())?,
             loading: None,
             configured: None,
             autostart: settings.autostart,
@@ -106,7 +106,10 @@ impl Handover {
     }
 
     fn spin(&mut self, node: &mut Node, stop: &Stop) -> Result<()> {
-        while !stop.is_set() && self.lifecycle.state() != State::Finalized {
+        let is_done = |node: &Self| {
+            node.lifecycle.state() == State::Finalized && !node.parameters.is_answering()
+        };
+        while !stop.is_set() && !is_done(self) {
             node.spin_once(IDLE);
             if self.ticker.is_dead() {
                 bail!("the ticking thread has ended by a bug: see above");
@@ -128,7 +131,9 @@ impl Handover {
         while let Some((asker, step)) = self.lifecycle.asked() {
             self.begin(step, Some(asker));
         }
-        if let Some(loading) = self.loading.take_if(|loading| loading.is_done()) {
+        let is_heard = self.lifecycle.is_heard();
+        let is_done = |loading: &mut Loading| loading.is_done(is_heard);
+        if let Some(loading) = self.loading.take_if(is_done) {
             let (loaded, asker) = loading.end();
             let outcome = loaded.and_then(|loaded| self.configured(node, loaded));
             let is_configured = outcome.is_ok();
@@ -203,7 +208,7 @@ impl Handover {
         let outcome = match outcome {
             Ok(()) => Outcome::Success,
             Err(error) => {
-                r2r::log_error!(&self.logger, "{error:#}");
+                r2r::log_error!(&self.logger, "{}", line(format_args!("{error:#}")));
                 Outcome::Failure
             }
         };
@@ -223,7 +228,9 @@ impl Handover {
     }
 
     /// Shows what was loaded.
-    fn configured(&mut self, node: &Node, loaded: Loaded) -> Result<()> {
+    fn configured(&mut self, node: &Node, mut loaded: Loaded) -> Result<()> {
+        // Somebody may have set what may be set at any time meanwhile.
+        loaded.node = self.given.node(self.parameters.table())?;
         for Change { key, value, default } in &loaded.differing {
             r2r::log_warn!(
                 &self.logger,
@@ -233,7 +240,7 @@ impl Handover {
         for (name, value) in differences(&loaded.config, self.parameters.table()) {
             self.parameters.put(node, &name, value)?;
         }
-        r2r::log_info!(&self.logger, "{}", loaded.about);
+        r2r::log_info!(&self.logger, "{}", line(&loaded.about));
         self.configured = Some(loaded);
         Ok(())
     }

@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use r2r::rcl_interfaces::{msg, srv};
 use r2r::{Node, Publisher, QosProfile};
 
-use super::services::Requests;
+use super::services::{Answers, Requests};
 use super::shell::{RosClock, TimeSource};
 use crate::messages::Time;
 use crate::parameters::{Bound, Parameter, ParameterTable, ParameterValue, Refusal, Refusals};
@@ -24,6 +24,7 @@ pub struct ParameterServer {
     set_names: Vec<String>,
     time: TimeSource,
     node_name: String,
+    answers: Answers,
     events: Publisher<msg::ParameterEvent>,
     get: Requests<srv::GetParameters::Service>,
     types: Requests<srv::GetParameterTypes::Service>,
@@ -71,25 +72,37 @@ impl ParameterServer {
         let events = node
             .create_publisher("/parameter_events", QosProfile::parameter_events())
             .context("/parameter_events")?;
+        let answers = Answers::default();
         let server = Self {
             changes: Vec::new(),
             set_names: Vec::new(),
             time,
             node_name: node.fully_qualified_name()?,
             events,
-            get: Requests::new(node, "~/get_parameters")?,
-            types: Requests::new(node, "~/get_parameter_types")?,
-            describe: Requests::new(node, "~/describe_parameters")?,
-            list: Requests::new(node, "~/list_parameters")?,
-            set: Requests::new(node, "~/set_parameters")?,
-            set_atomically: Requests::new(node, "~/set_parameters_atomically")?,
+            get: Requests::new(node, "~/get_parameters", &answers)?,
+            types: Requests::new(node, "~/get_parameter_types", &answers)?,
+            describe: Requests::new(node, "~/describe_parameters", &answers)?,
+            list: Requests::new(node, "~/list_parameters", &answers)?,
+            set: Requests::new(node, "~/set_parameters", &answers)?,
+            set_atomically: Requests::new(node, "~/set_parameters_atomically", &answers)?,
             table,
+            answers,
         };
         let declared = server.table.all().iter();
         let declared = declared.map(|parameter| (parameter.name.clone(), parameter.value.clone()));
         let new_parameters = declared.map(to_message).collect();
         server.tell(node, msg::ParameterEvent { new_parameters, ..Default::default() });
         Ok(server)
+    }
+
+    /// Where answers of the node's other services wait.
+    pub(super) fn answers(&self) -> &Answers {
+        &self.answers
+    }
+
+    /// Whether somebody is still to be told an answer: [`Self::serve`] does.
+    pub fn is_answering(&self) -> bool {
+        self.answers.are_waiting()
     }
 
     /// What time it is to the node.
@@ -117,7 +130,7 @@ impl ParameterServer {
         std::mem::take(&mut self.set_names)
     }
 
-    /// Answers every request that has come in.
+    /// Answers every request that has come in, and those that were not heard yet.
     ///
     /// - `may_set`: asked before a change is taken, with the table as it is, and names and values as
     ///   they will be, one or those of an atomic change; an error is the reason that whoever asked is
@@ -127,6 +140,7 @@ impl ParameterServer {
         node: &Node,
         mut may_set: impl FnMut(&ParameterTable, &[(String, ParameterValue)]) -> Result<(), String>,
     ) {
+        self.answers.tell();
         while let Some(request) = self.get.next() {
             let values = request.message.names.iter().map(|name| self.value(name)).collect();
             self.get.answer(request, srv::GetParameters::Response { values });

@@ -1,31 +1,84 @@
-//! One service on the graph: requests taken and answered by whatever spins the node.
+//! Services on the graph: requests taken and answered by whatever spins the node.
 
+use std::cell::RefCell;
+use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context as _, Result};
 use futures::{FutureExt, Stream, StreamExt};
 use r2r::{Node, QosProfile, ServiceRequest, WrappedServiceTypeSupport};
 
-/// How often an answer is tried, and how long after each other: whoever asks can be heard before he
-/// hears, by half a second on a busy machine. A try that fails takes 100 ms of the middleware's
-/// waiting, so what the node hears is never later by more than one.
+/// How often an answer is tried, and how long after each other: whoever asks can be heard before
+/// hearing, by half a second on a busy machine.
 const TRIES: u32 = 12;
+/// A try that fails takes 100 ms of the middleware's waiting, in which nothing else is heard; for so
+/// long then nobody else is answered, so that what the node hears is never later by more than one.
 const BETWEEN_TRIES: Duration = Duration::from_millis(150);
+
+/// Answers of all of a node's services: those that nobody heard yet are told again.
+#[derive(Clone, Default)]
+pub(super) struct Answers(Rc<RefCell<Waiting>>);
+
+#[derive(Default)]
+struct Waiting {
+    answers: Vec<Answer>,
+    failed: Option<Instant>,
+}
+
+/// One of them.
+struct Answer {
+    service: String,
+    logger: String,
+    tell: Box<dyn Fn() -> r2r::Result<()>>,
+    tries: u32,
+}
+
+impl Answers {
+    /// Tells those that are waiting, at most one of which is not heard.
+    pub(super) fn tell(&self) {
+        let waiting = &mut *self.0.borrow_mut();
+        while waiting.failed.is_none_or(|failed| failed.elapsed() >= BETWEEN_TRIES) {
+            // Whoever hears is not kept waiting by whoever does not.
+            let next = waiting.answers.iter().enumerate().min_by_key(|(_, answer)| answer.tries);
+            let Some((next, _)) = next else { return };
+            let mut answer = waiting.answers.remove(next);
+            answer.tries += 1;
+            match (answer.tell)() {
+                Ok(()) => {}
+                Err(r2r::Error::RCL_RET_TIMEOUT) => {
+                    #[expect(clippy::disallowed_methods, reason = "a shell: a peer needs time")]
+                    let now = Instant::now();
+                    waiting.failed = Some(now);
+                    if answer.tries < TRIES {
+                        waiting.answers.push(answer);
+                    } else {
+                        let Answer { logger, service, .. } = answer;
+                        r2r::log_warn!(
+                            &logger,
+                            "{service}: whoever asked has not heard the answer"
+                        );
+                    }
+                }
+                Err(error) => {
+                    let Answer { logger, service, .. } = answer;
+                    r2r::log_warn!(&logger, "{service}: whoever asked is not answered: {error}");
+                }
+            }
+        }
+    }
+
+    /// Whether some are waiting.
+    pub(super) fn are_waiting(&self) -> bool {
+        !self.0.borrow().answers.is_empty()
+    }
+}
 
 /// Requests to one service, taken without waiting.
 pub(super) struct Requests<T: WrappedServiceTypeSupport> {
     name: String,
     logger: String,
     stream: Box<dyn Stream<Item = ServiceRequest<T>> + Send + Unpin>,
-    unheard: Vec<Unheard<T>>,
-}
-
-/// An answer to somebody who does not hear the service yet, or has gone.
-struct Unheard<T: WrappedServiceTypeSupport> {
-    request: ServiceRequest<T>,
-    answer: T::Response,
-    tries_left: u32,
-    last_try: Option<Instant>,
+    answers: Answers,
 }
 
 impl<T: WrappedServiceTypeSupport + 'static> Requests<T> {
@@ -33,51 +86,26 @@ impl<T: WrappedServiceTypeSupport + 'static> Requests<T> {
     ///
     /// # Errors
     /// If it cannot be.
-    pub(super) fn new(node: &mut Node, name: &str) -> Result<Self> {
+    pub(super) fn new(node: &mut Node, name: &str, answers: &Answers) -> Result<Self> {
         let stream = node.create_service::<T>(name, QosProfile::parameters());
         Ok(Self {
             name: name.to_owned(),
             logger: node.logger().to_owned(),
             stream: Box::new(stream.with_context(|| name.to_owned())?),
-            unheard: Vec::new(),
+            answers: answers.clone(),
         })
     }
 
-    /// The next request that has come in. Whoever has not heard an answer yet is told first.
+    /// The next request that has come in.
     pub(super) fn next(&mut self) -> Option<ServiceRequest<T>> {
-        let is_due = |unheard: &Unheard<T>| {
-            unheard.last_try.is_none_or(|tried| tried.elapsed() >= BETWEEN_TRIES)
-        };
-        if let Some(due) = self.unheard.iter().position(is_due) {
-            let unheard = self.unheard.swap_remove(due);
-            self.tell(unheard);
-        }
         self.stream.next().now_or_never().flatten()
     }
 
-    /// Answers one; whoever does not hear yet is told later, by [`Self::next`].
-    pub(super) fn answer(&mut self, request: ServiceRequest<T>, answer: T::Response) {
-        self.tell(Unheard { request, answer, tries_left: TRIES, last_try: None });
-    }
-
-    fn tell(&mut self, mut unheard: Unheard<T>) {
-        let told = unheard.request.clone().respond(unheard.answer.clone());
-        unheard.tries_left -= 1;
-        match told {
-            Ok(()) => {}
-            Err(r2r::Error::RCL_RET_TIMEOUT) if unheard.tries_left > 0 => {
-                #[expect(clippy::disallowed_methods, reason = "a shell: a peer needs time")]
-                let now = Instant::now();
-                unheard.last_try = Some(now);
-                self.unheard.push(unheard);
-            }
-            Err(error) => {
-                r2r::log_warn!(
-                    &self.logger,
-                    "{}: whoever asked is not answered: {error}",
-                    self.name
-                );
-            }
-        }
+    /// Answers one, now or when [`Answers::tell`] is called next.
+    pub(super) fn answer(&self, request: ServiceRequest<T>, answer: T::Response) {
+        let tell = Box::new(move || request.clone().respond(answer.clone()));
+        let (service, logger) = (self.name.clone(), self.logger.clone());
+        self.answers.0.borrow_mut().answers.push(Answer { service, logger, tell, tries: 0 });
+        self.answers.tell();
     }
 }

@@ -40,6 +40,11 @@ impl Stop {
     }
 }
 
+/// A line for the log that holds words of strangers: with a NUL in it there would be no log.
+pub fn line(text: impl std::fmt::Display) -> String {
+    text.to_string().replace('\0', "\u{fffd}")
+}
+
 /// A node's clock: that of `/clock` if its time is simulated, else the system's.
 #[derive(Debug, Clone)]
 pub struct RosClock(Option<Arc<AtomicI64>>);

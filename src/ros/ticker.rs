@@ -21,8 +21,8 @@ use crate::time::{Span, Stamp};
 pub(super) enum Command {
     /// Ticks with this, so often.
     Start(Box<Live>, Span),
-    /// Ticks no more; says so when it does not. A robot that only does as it is told begins again
-    /// where it stands.
+    /// Ticks no more; says so when it does not. The next begins when the robot stands; one that only
+    /// does as it is told, there.
     Stop(Sender<()>),
     /// What comes next is another robot.
     Forget,
@@ -148,15 +148,18 @@ pub(super) struct Ticking {
 impl Ticking {
     fn run(self, receiver: &Receiver<Command>) {
         let (mut running, mut inputs): (Option<Running>, _) = (None, Inputs::default());
-        // Where a robot that only does as it is told was told to stand, and from when on.
-        let mut standstill = None;
+        // Where the robot was told to stand, and from when on.
+        let mut standstill: Option<(Vec<Point>, Stamp)> = None;
         let (mut waits, mut is_warned) = (None, false);
         loop {
             while let Ok(command) = receiver.try_recv() {
                 match (command, running.as_mut()) {
                     (Command::Start(mut live, period), _) => {
-                        let (pose, from) = standstill.take().unzip();
-                        pose.iter().for_each(|pose: &Vec<Point>| live.begin_at(pose));
+                        // Kept: it may be stopped again before it has ticked.
+                        if let Some((pose, _)) = &standstill {
+                            live.begin_at(pose);
+                        }
+                        let from = standstill.as_ref().map(|(_, from)| *from);
                         running = Some(Running::new(live, period, from));
                     }
                     (Command::Stop(stopped), _) => {
@@ -226,18 +229,20 @@ impl Ticking {
         if let Err(error) = self.publishers.publish(&outputs) {
             r2r::log_error!(&self.logger, "cannot publish: {error:#}");
         }
-        if let Some(News { is_warning, text }) = &outputs.news {
-            // What changes at every tick is not worth a line each time.
-            let is_due = running.told.is_none_or(|told: Instant| told.elapsed() > Self::APART);
-            if is_due || running.reason != Some(outputs.reason) {
-                #[expect(clippy::disallowed_methods, reason = "a shell: people read this")]
-                let told = Instant::now();
-                (running.told, running.reason) = (Some(told), Some(outputs.reason));
-                if *is_warning {
-                    r2r::log_warn!(&self.logger, "{text}");
-                } else {
-                    r2r::log_info!(&self.logger, "{text}");
-                }
+        if outputs.news.is_some() {
+            running.news = outputs.news;
+        }
+        // What changes at every tick is not worth a line each time.
+        let is_due = running.told.is_none_or(|told| told.elapsed() > Self::APART)
+            || running.reason != Some(outputs.reason);
+        if let Some(News { is_warning, text }) = running.news.take_if(|_| is_due) {
+            #[expect(clippy::disallowed_methods, reason = "a shell: people read this")]
+            let told = Instant::now();
+            (running.told, running.reason) = (Some(told), Some(outputs.reason));
+            if is_warning {
+                r2r::log_warn!(&self.logger, "{text}");
+            } else {
+                r2r::log_info!(&self.logger, "{text}");
             }
         }
         running.ticked(now);
@@ -253,6 +258,8 @@ struct Running {
     /// When the last tick was, and when the next is due.
     last: Option<(Stamp, Stamp)>,
     took: Option<f64>,
+    /// What the log is still to be told.
+    news: Option<News>,
     /// When, and with which reason, the log was told last.
     told: Option<Instant>,
     reason: Option<Option<HoldReason>>,
@@ -260,7 +267,7 @@ struct Running {
 
 impl Running {
     fn new(live: Box<Live>, period: Span, from: Option<Stamp>) -> Self {
-        Self { live, period, from, last: None, took: None, told: None, reason: None }
+        Self { live, period, from, last: None, took: None, news: None, told: None, reason: None }
     }
 
     /// How long until the next tick: a period after the last; if somebody is seen, a quarter of it.

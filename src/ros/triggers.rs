@@ -4,7 +4,7 @@ use anyhow::Result;
 use r2r::Node;
 use r2r::std_srvs::srv::Trigger;
 
-use super::services::Requests;
+use super::services::{Answers, Requests};
 
 /// What somebody asks for in the middle of a handover.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,10 +24,10 @@ pub(super) struct Triggers {
 impl Triggers {
     /// # Errors
     /// If a service cannot be offered.
-    pub(super) fn new(node: &mut Node) -> Result<Self> {
+    pub(super) fn new(node: &mut Node, answers: &Answers) -> Result<Self> {
         Ok(Self {
-            reset: Requests::new(node, "~/reset")?,
-            cancel: Requests::new(node, "~/cancel")?,
+            reset: Requests::new(node, "~/reset", answers)?,
+            cancel: Requests::new(node, "~/cancel", answers)?,
         })
     }
 

@@ -2,7 +2,7 @@
 
 use handover_mesh::bodies::Body;
 use handover_mesh::frames::FrameTree;
-use handover_mesh::live::Inputs;
+use handover_mesh::live::{Inputs, Outputs};
 use handover_mesh::messages::{
     Header, Pose, PoseStamped, Quaternion, Time, Transform, TransformStamped, TransformTree,
     Vector3,
@@ -29,8 +29,10 @@ fn vector(random: &mut ChaCha8Rng) -> Vector3 {
 }
 
 fn word(random: &mut ChaCha8Rng) -> String {
-    const WORDS: [&str; 8] = ["world", "/world", "camera", "", "torso", "moon", "a", "b"];
-    WORDS[random.random_range(0..WORDS.len())].to_owned()
+    const WORDS: [&str; 8] =
+        ["world", "/world", "camera", "", "torso", "moon", "a\0\n\u{1b}[2J", "b"];
+    let word = WORDS[random.random_range(0..WORDS.len())];
+    word.repeat(if random.random_bool(0.02) { 3000 } else { 1 })
 }
 
 fn stamp(random: &mut ChaCha8Rng, now: Stamp) -> Stamp {
@@ -71,6 +73,19 @@ fn tree(random: &mut ChaCha8Rng) -> TransformTree {
         },
     };
     TransformTree { transforms: (0..random.random_range(0..4)).map(|_| edge(random)).collect() }
+}
+
+/// What strangers call things is fit for a log: short, and in characters that do nothing to it.
+fn check_words(outputs: &Outputs) {
+    let news = outputs.news.iter().map(|news| &news.text);
+    let statuses = outputs.diagnostics.iter().flat_map(|array| &array.status);
+    let told = statuses.flat_map(|status| {
+        std::iter::once(&status.message).chain(status.values.iter().map(|pair| &pair.value))
+    });
+    for text in news.chain(told) {
+        assert!(text.chars().count() < 2000, "{text}");
+        assert!(!text.contains(char::is_control), "{text:?}");
+    }
 }
 
 /// The joints' distance in a trajectory's first points, and the limit on speed kept in between.
@@ -123,6 +138,7 @@ fn nothing_said_by_anybody_makes_a_target_that_is_none() {
                 _ => {}
             }
             let outputs = live.tick(now, &said, Some(1.0));
+            check_words(&outputs);
             let Some(trajectory) = outputs.joint_targets else {
                 before = None;
                 continue;

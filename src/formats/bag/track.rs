@@ -62,7 +62,7 @@ impl View<'_> {
         for seen in &mut track.seen {
             let place = || Place::Message { topic: track.topic.clone(), number: seen.number };
             if *seen.frame != *self.frame {
-                let between = self.tree.between(self.frame, &seen.frame, seen.stamp);
+                let between = self.tree.between(self.frame, &seen.frame, [seen.stamp; 2]);
                 let Some(here_from_there) = between else {
                     let (frame, other) = (shortened(&seen.frame), shortened(self.frame));
                     violations.add(place(), Reason::Frames { frame, other });
