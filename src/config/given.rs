@@ -126,13 +126,16 @@ impl Given {
         if node.sensor_frame.is_empty() && node.world_from_sensor != Isometry::identity() {
             refuse("node.world_from_sensor", "is of node.sensor_frame, which is not set");
         }
-        let has_base = node.world_from_base != Isometry::identity() || !node.base_frame.is_empty();
-        if node.robot_state == RobotState::Reported && has_base {
-            let key = if node.base_frame.is_empty() { "world_from_base" } else { "base_frame" };
-            refuse(
-                &format!("node.{key}"),
-                "means nothing to a robot that reports (node.robot_state)",
-            );
+        // A file may hold all defaults.
+        let default = NodeSettings::default();
+        if node.robot_state == RobotState::Reported {
+            let problem = "means nothing to a robot that reports (node.robot_state)";
+            if node.world_from_base != default.world_from_base {
+                refuse("node.world_from_base", problem);
+            }
+            if node.base_frame != default.base_frame {
+                refuse("node.base_frame", problem);
+            }
         }
         if violations.is_empty() { Ok(node) } else { Err(ConfigError::Violations(violations)) }
     }
@@ -279,7 +282,8 @@ mod tests {
                 table(&[(name, value), ("node.robot_state", "demonstrated".into())]);
             assert!(given.node(&shown).is_ok());
         }
-        let (shown, _) = table(&[]);
+        let (shown, given) = table(&[]);
+        assert!(given.node(&shown).is_ok());
         let set = |name: &str, value: ParameterValue, is_configured| {
             Given::may_set(&shown, &[(name.to_owned(), value)], is_configured)
         };
