@@ -109,3 +109,58 @@ impl<T: WrappedServiceTypeSupport + 'static> Requests<T> {
         self.answers.tell();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+    use std::thread::sleep;
+
+    use super::*;
+
+    /// Adds an answer that is heard at the try of this number, counted in `tries`.
+    fn add(answers: &Answers, heard_at: u32, tries: &Rc<Cell<u32>>) {
+        let counted = tries.clone();
+        let tell = Box::new(move || {
+            counted.set(counted.get() + 1);
+            if counted.get() < heard_at { Err(r2r::Error::RCL_RET_TIMEOUT) } else { Ok(()) }
+        });
+        let (service, logger) = ("~/asked".to_owned(), "test".to_owned());
+        answers.0.borrow_mut().answers.push(Answer { service, logger, tell, tries: 0 });
+    }
+
+    #[test]
+    fn who_does_not_hear_is_told_again_and_holds_up_nobody() {
+        let answers = Answers::default();
+        let [deaf, late, here] = [(); 3].map(|()| Rc::default());
+        add(&answers, 3, &deaf);
+        answers.tell();
+        answers.tell();
+        assert_eq!(deaf.get(), 1, "not again at once");
+        add(&answers, 2, &late);
+        add(&answers, 1, &here);
+        answers.tell();
+        assert_eq!((late.get(), here.get()), (0, 0), "one try in a while costs 100 ms");
+        sleep(BETWEEN_TRIES);
+        answers.tell();
+        assert_eq!((deaf.get(), late.get(), here.get()), (1, 1, 0), "whoever was not told first");
+        sleep(BETWEEN_TRIES);
+        answers.tell();
+        assert_eq!((deaf.get(), late.get(), here.get()), (2, 1, 1));
+        sleep(BETWEEN_TRIES);
+        answers.tell();
+        assert_eq!((deaf.get(), late.get(), here.get()), (3, 2, 1));
+        assert!(!answers.are_waiting());
+    }
+
+    #[test]
+    fn who_never_hears_is_given_up() {
+        let (answers, gone) = (Answers::default(), Rc::default());
+        add(&answers, u32::MAX, &gone);
+        for _ in 0..TRIES + 3 {
+            answers.tell();
+            sleep(BETWEEN_TRIES);
+        }
+        assert_eq!(gone.get(), TRIES);
+        assert!(!answers.are_waiting());
+    }
+}
