@@ -1,14 +1,16 @@
 //! A [`Player`] on topics, its settings as the node's parameters; the simulator's one place that
 //! knows `r2r`.
 
-use std::fs;
+use std::fs::File;
+use std::io::ErrorKind;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::PoisonError;
 use std::time::Duration;
 
-use anyhow::{Context as _, Result, anyhow};
-use handover_mesh::formats::{self, Format, UpAxis, bag};
+use anyhow::{Context as _, Result, anyhow, bail};
+use handover_mesh::formats::bag::{self, Files};
+use handover_mesh::formats::{self, Format, UpAxis};
 use handover_mesh::parameters::{ParameterValue, Refusals};
 use handover_mesh::ros::context::{ArgumentsError, context};
 use handover_mesh::ros::parameters::{ParameterServer, ParameterServerError};
@@ -238,28 +240,24 @@ fn source(settings: &Settings) -> Result<Source> {
 fn read(path: &Path, up: UpAxis) -> Result<Recording> {
     let at = || path.display().to_string();
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    let (names, files, metadata) = if path.is_dir() {
-        let metadata = path.join(bag::METADATA_FILE);
-        let metadata = fs::read_to_string(&metadata)
-            .with_context(|| format!("{} is a folder, and no bag: name a file in it", at()))?;
-        let names = bag::file_names(&metadata).with_context(at)?;
-        let files = names.iter().map(|name| fs::read(path.join(name)).ok()).collect();
-        (names, files, Some(metadata))
+    let files = if path.is_dir() {
+        let metadata = match File::open(path.join(bag::METADATA_FILE)) {
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                bail!("{} is a folder, and no bag: name a file in it", at())
+            }
+            opened => formats::bytes(opened.with_context(at)?).with_context(at)?,
+        };
+        let metadata = String::from_utf8_lossy(&metadata).into_owned();
+        Files::of_folder(metadata, |name| File::open(path.join(name))).with_context(at)?
     } else {
-        let bytes = fs::read(path).with_context(at)?;
+        let bytes = formats::bytes(File::open(path).with_context(at)?).with_context(at)?;
         let format = formats::detect(&bytes).map_err(|error| anyhow!("{}: {error}", at()))?;
         if !matches!(format, Format::Mcap | Format::Sqlite) {
             return formats::read(&bytes, &name, up).map_err(|error| anyhow!("{}: {error}", at()));
         }
-        (vec![at()], vec![Some(bytes)], None::<String>)
+        Files::of_file(at(), bytes)
     };
-    let files: &Vec<Option<Vec<u8>>> = &files;
-    let files: Vec<bag::File<'_>> = names
-        .iter()
-        .zip(files)
-        .map(|(name, bytes)| bag::File { name, bytes: bytes.as_deref() })
-        .collect();
-    let read = bag::read(&files, metadata.as_deref(), &name, up).with_context(at)?;
+    let read = files.read(&name, up).with_context(at)?;
     for lost in &read.losses {
         r2r::log_warn!(NAME, "{}: lost: {lost}", at());
     }

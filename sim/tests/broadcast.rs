@@ -351,7 +351,7 @@ fn before_it_begins_its_clock_stands_at_the_start() {
         assert_eq!(sent.as_ref().and_then(time), Some(Stamp(50_000_000_000)));
     }
     let sent = player.advance(NOW + seconds(299.01));
-    assert_eq!(sent.iter().filter_map(time).last(), Some(Stamp(50_010_000_000)));
+    assert_eq!(sent.iter().filter_map(time).next_back(), Some(Stamp(50_010_000_000)));
     assert!(sent.contains(&Outgoing::Finished(false)));
     let mut without = Player::new(Source::generated(1).unwrap(), at_once()).unwrap();
     assert_eq!(without.stand_by(NOW), None);
