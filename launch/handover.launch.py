@@ -48,14 +48,25 @@ def argument_of(topic):
     return topic.split("/")[-1]
 
 
+def typed(name, text, kind):
+    """An argument's text as its parameter's value: launch coerces only what it substitutes itself."""
+    if kind is str:
+        # Not as YAML has it: a role may be called 1.
+        return ParameterValue(text, value_type=str)
+    try:
+        return kind(text)
+    except ValueError:
+        raise RuntimeError(f'Argument "{name}" is "{text}", must be a number.') from None
+
+
 def start(context):
     """The node, and the events that configure and activate it."""
     def given(name):
         return LaunchConfiguration(name).perform(context)
 
-    chosen = {key: ParameterValue(given(name), value_type=kind)
+    chosen = {key: typed(name, given(name), kind)
               for name, (key, kind, _) in PARAMETERS.items() if given(name)}
-    chosen["use_sim_time"] = ParameterValue(given("use_sim_time"), value_type=bool)
+    chosen["use_sim_time"] = given("use_sim_time") == "true"
     node = LifecycleNode(
         package="handover_mesh", executable="handover_node",
         name=given("name"), namespace=given("namespace"),

@@ -29,17 +29,34 @@ SIMULATOR = {
     "clock": ("clock", bool, "false", ["true", "false"],
               "Whether the simulator's time is published as /clock, and the node keeps it."),
     "tf": ("tf", bool, "false", ["true", "false"],
-           "Whether the partner is on /tf as well as on `skeleton`."),
+           "Whether the partner is on /tf as well as on `skeleton`; with source:=tf always."),
 }
 # Arguments that the node's and the recorder's own launch files explain.
 HANDED_ON = {
-    "model": "", "role": "", "rate": "", "namespace": "", "name": "handover", "log_level": "info",
-    "autostart": "true"}
+    "model": "", "role": "", "rate": "", "source": "", "namespace": "", "name": "handover",
+    "log_level": "info", "autostart": "true"}
+# Where the node can see the partner: the simulator's parameters that send it there are called so.
+# What is none of them, the node refuses.
+SOURCES = ["skeleton", "tf", "markers"]
 
 
 def shipped(*path):
     """A file of this package, as installed."""
     return PathJoinSubstitution([FindPackageShare("handover_mesh"), *path])
+
+
+def typed(name, text, kind):
+    """An argument's text as its parameter's value: launch coerces only what it substitutes itself."""
+    if kind is str:
+        # Not as YAML has it: a recording may be called 1.
+        return ParameterValue(text, value_type=str)
+    if kind is bool:
+        return text == "true"
+    try:
+        return kind(text)
+    except ValueError:
+        what = "a whole number" if kind is int else "a number"
+        raise RuntimeError(f'Argument "{name}" is "{text}", must be {what}.') from None
 
 
 def start(context):
@@ -51,14 +68,15 @@ def start(context):
     node = {name: given(name) for name in HANDED_ON}
     node["params_file"] = given("params_file")
     node["use_sim_time"] = given("clock")
-    chosen = {key: ParameterValue(given(name), value_type=kind)
+    chosen = {key: typed(name, given(name), kind)
               for name, (key, kind, _, _, _) in SIMULATOR.items() if given(name)}
     # The node, and the recorder.
-    listeners = "2" if given("targets") == "record" else "1"
-    chosen["listeners"] = ParameterValue(listeners, value_type=int)
-    chosen["exit_at_end"] = ParameterValue("true", value_type=bool)
+    chosen["listeners"] = 2 if given("targets") == "record" else 1
+    chosen["exit_at_end"] = True
     if given("role"):
-        chosen["role"] = ParameterValue(given("role"), value_type=str)
+        chosen["role"] = typed("role", given("role"), str)
+    if given("source") in SOURCES:
+        chosen[given("source")] = True
     files = [given("simulator_params_file")] if given("simulator_params_file") else []
     simulator = Node(
         package="handover_mesh", executable="handover_sim", arguments=["node"],

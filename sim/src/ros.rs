@@ -1,19 +1,21 @@
 //! A [`Player`] on topics, its settings as the node's parameters; the simulator's one place that
 //! knows `r2r`.
 
-use std::fs;
+use std::fs::File;
+use std::io::ErrorKind;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::PoisonError;
 use std::time::Duration;
 
-use anyhow::{Context as _, Result, anyhow};
-use handover_mesh::formats::{self, Format, UpAxis, bag};
+use anyhow::{Context as _, Result, anyhow, bail};
+use handover_mesh::formats::bag::{self, Files};
+use handover_mesh::formats::{self, Format, UpAxis};
 use handover_mesh::parameters::{ParameterValue, Refusals};
 use handover_mesh::ros::context::{ArgumentsError, context};
 use handover_mesh::ros::parameters::{ParameterServer, ParameterServerError};
 use handover_mesh::ros::shell::{RosClock, Stop};
-use handover_mesh::{Recording, Stamp};
+use handover_mesh::{Recording, Span, Stamp};
 use handover_sim::broadcast::{
     BroadcastError, Outgoing, Player, Reliability, Settings, Source, Topic, follow_ups, parameters,
 };
@@ -30,7 +32,11 @@ const LONGEST_WAIT_WITH_CLOCK: Duration = Duration::from_millis(2);
 /// Waits are not shorter: asking the middleware takes about as long.
 const SHORTEST_WAIT: Duration = Duration::from_micros(100);
 /// How long the last messages have to reach whoever listens, before the node ends by itself.
-const FAREWELL: Duration = Duration::from_millis(500);
+const FAREWELL: Span = Span(500_000_000);
+/// Listeners may take as long to come; after that the log says that they are waited for.
+const LISTENERS_MAY_TAKE: Span = Span(5_000_000_000);
+/// And says so again, as often.
+const BETWEEN_WORDS: Span = Span(10_000_000_000);
 
 /// Runs the node until a signal ends it, or it ends by itself because it was told to.
 ///
@@ -70,8 +76,12 @@ struct Broadcast {
     player: Player,
     /// Whether whoever has to listen does.
     is_begun: bool,
+    /// When the log says, for the next time, who is waited for; of the steady clock.
+    next_word: Option<Stamp>,
     /// Whether the log has been told that all has been played.
     is_over: bool,
+    /// When the node ends by itself, once that is to be; of the steady clock.
+    end: Option<Stamp>,
     publishers: Vec<(Topic, PublisherUntyped)>,
     ros_clock: RosClock,
     steady_clock: Clock,
@@ -99,7 +109,9 @@ impl Broadcast {
             server,
             player,
             is_begun: false,
+            next_word: None,
             is_over: false,
+            end: None,
         })
     }
 
@@ -107,10 +119,17 @@ impl Broadcast {
         let has_clock = self.player.settings().has_clock;
         let longest = if has_clock { LONGEST_WAIT_WITH_CLOCK } else { LONGEST_WAIT };
         while !stop.is_set() {
-            let now = self.now()?;
-            self.is_begun = self.is_begun || self.has_listeners();
+            let steady = self.steady()?;
+            let now = if has_clock { steady } else { self.ros_clock.now() };
+            if !self.is_begun {
+                self.await_listeners(node, steady);
+            }
+            if !self.is_begun {
+                if let Some(message) = self.player.stand_by(now) {
+                    self.send(&message)?;
+                }
             // Before simulated time of somebody else has begun there is none.
-            if self.is_begun && (has_clock || now > Stamp(0)) {
+            } else if has_clock || now > Stamp(0) {
                 for message in self.player.advance(now) {
                     self.send(&message)?;
                 }
@@ -121,8 +140,10 @@ impl Broadcast {
                     r2r::log_info!(node.logger(), "all has been played");
                 }
             }
-            if self.player.is_over() && self.player.settings().exits_at_end {
-                node.spin_once(FAREWELL);
+            // Meanwhile it answers, time goes on, and whoever wants more gets it.
+            let ends = self.is_over && self.player.settings().exits_at_end;
+            self.end = ends.then(|| self.end.unwrap_or(steady + FAREWELL));
+            if self.end.is_some_and(|end| end <= steady) {
                 break;
             }
             let wait = self.player.wait().map_or(longest, |wait| {
@@ -134,21 +155,31 @@ impl Broadcast {
         Ok(())
     }
 
-    /// Whether as many listen to the partner as there have to be.
-    fn has_listeners(&self) -> bool {
+    /// Begins once one of the partner's topics has as many listeners as there have to be. They are
+    /// not added up: somebody may listen to several, as the handover node does to `/tf`.
+    ///
+    /// - `now`: of the steady clock; where they take long to come, the log says so now and then.
+    fn await_listeners(&mut self, node: &Node, now: Stamp) {
         let wanted = self.player.settings().listeners;
-        let topics = [Topic::Skeleton, Topic::Transforms, Topic::Markers];
-        let of = |topic| self.publishers.iter().find(|(known, _)| *known == topic);
-        let publisher = topics.into_iter().find_map(of);
-        publisher.is_none_or(|(_, publisher)| {
-            publisher.get_inter_process_subscription_count().is_ok_and(|count| count >= wanted)
-        })
+        let partner = self.publishers.iter().filter(|(topic, _)| Topic::PARTNER.contains(topic));
+        let there: Vec<(Topic, usize)> = partner
+            .map(|(topic, publisher)| {
+                (*topic, publisher.get_inter_process_subscription_count().unwrap_or_default())
+            })
+            .collect();
+        // Where the partner is not sent at all, nobody can listen.
+        self.is_begun = there.is_empty() || there.iter().any(|(_, count)| *count >= wanted);
+        let next = *self.next_word.get_or_insert(now + LISTENERS_MAY_TAKE);
+        if !self.is_begun && next <= now {
+            self.next_word = Some(now + BETWEEN_WORDS);
+            let there =
+                there.iter().map(|(topic, count)| format!("{} ({count} there)", topic.name()));
+            let there = there.collect::<Vec<_>>().join(" or ");
+            r2r::log_info!(node.logger(), "waits for {wanted} listeners of {there}");
+        }
     }
 
-    fn now(&mut self) -> Result<Stamp> {
-        if !self.player.settings().has_clock {
-            return Ok(self.ros_clock.now());
-        }
+    fn steady(&mut self) -> Result<Stamp> {
         let now = self.steady_clock.get_now()?;
         Ok(Stamp(i64::try_from(now.as_nanos()).unwrap_or(i64::MAX)))
     }
@@ -209,28 +240,24 @@ fn source(settings: &Settings) -> Result<Source> {
 fn read(path: &Path, up: UpAxis) -> Result<Recording> {
     let at = || path.display().to_string();
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
-    let (names, files, metadata) = if path.is_dir() {
-        let metadata = path.join(bag::METADATA_FILE);
-        let metadata = fs::read_to_string(&metadata)
-            .with_context(|| format!("{} is a folder, and no bag: name a file in it", at()))?;
-        let names = bag::file_names(&metadata).with_context(at)?;
-        let files = names.iter().map(|name| fs::read(path.join(name)).ok()).collect();
-        (names, files, Some(metadata))
+    let files = if path.is_dir() {
+        let metadata = match File::open(path.join(bag::METADATA_FILE)) {
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                bail!("{} is a folder, and no bag: name a file in it", at())
+            }
+            opened => formats::bytes(opened.with_context(at)?).with_context(at)?,
+        };
+        let metadata = String::from_utf8_lossy(&metadata).into_owned();
+        Files::of_folder(metadata, |name| File::open(path.join(name))).with_context(at)?
     } else {
-        let bytes = fs::read(path).with_context(at)?;
+        let bytes = formats::bytes(File::open(path).with_context(at)?).with_context(at)?;
         let format = formats::detect(&bytes).map_err(|error| anyhow!("{}: {error}", at()))?;
         if !matches!(format, Format::Mcap | Format::Sqlite) {
             return formats::read(&bytes, &name, up).map_err(|error| anyhow!("{}: {error}", at()));
         }
-        (vec![at()], vec![Some(bytes)], None::<String>)
+        Files::of_file(at(), bytes)
     };
-    let files: &Vec<Option<Vec<u8>>> = &files;
-    let files: Vec<bag::File<'_>> = names
-        .iter()
-        .zip(files)
-        .map(|(name, bytes)| bag::File { name, bytes: bytes.as_deref() })
-        .collect();
-    let read = bag::read(&files, metadata.as_deref(), &name, up).with_context(at)?;
+    let read = files.read(&name, up).with_context(at)?;
     for lost in &read.losses {
         r2r::log_warn!(NAME, "{}: lost: {lost}", at());
     }

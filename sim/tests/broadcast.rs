@@ -336,3 +336,23 @@ fn a_recording_is_played_as_it_reads_back() {
         read.stamps().map(|stamp| NOW + (stamp - read.stamps().next().unwrap())).collect();
     assert_eq!(all, expected);
 }
+
+#[test]
+fn before_it_begins_its_clock_stands_at_the_start() {
+    let settings = Settings { has_clock: true, clock_start: Some(seconds(50.0)), ..at_once() };
+    let mut player = Player::new(Source::generated(1).unwrap(), settings).unwrap();
+    let time = |sent: &Outgoing| match sent {
+        Outgoing::Clock(clock) => Some(clock.clock.stamp()),
+        _ => None,
+    };
+    // However long it takes.
+    for step in 0..300 {
+        let sent = player.stand_by(NOW + seconds(f64::from(step)));
+        assert_eq!(sent.as_ref().and_then(time), Some(Stamp(50_000_000_000)));
+    }
+    let sent = player.advance(NOW + seconds(299.01));
+    assert_eq!(sent.iter().filter_map(time).next_back(), Some(Stamp(50_010_000_000)));
+    assert!(sent.contains(&Outgoing::Finished(false)));
+    let mut without = Player::new(Source::generated(1).unwrap(), at_once()).unwrap();
+    assert_eq!(without.stand_by(NOW), None);
+}

@@ -14,6 +14,7 @@ pub mod csv;
 mod detect;
 mod error;
 mod field;
+mod input;
 mod rate;
 pub mod sbu;
 mod up;
@@ -22,6 +23,7 @@ pub use detect::{Format, detect};
 pub(crate) use error::shortened_to;
 pub use error::{Place, ReadError, Reason, Violation};
 pub(crate) use field::FARTHEST;
+pub use input::{FileError, LARGEST, bytes};
 pub use rate::rate;
 pub use up::UpAxis;
 

@@ -255,27 +255,131 @@ def test_targets_are_echoed_or_recorded(execute):
     assert executed.index(record) < executed.index(node)
 
 
-@pytest.mark.parametrize("name", FILES)
-def test_the_real_launch_takes_every_file(name):
-    """Arguments as `ros2 launch --show-args` lists them, and all actions made but not begun."""
-    pytest.importorskip("launch_ros", reason="no launch_ros here: only stand-ins were used")
+@pytest.mark.parametrize(("name", "argument", "text", "words"), [
+    ("handover", "rate", "fast", "must be a number"), ("replay", "rate", "30 Hz", "must be a number"),
+    ("replay", "speed", "twice", "must be a number"),
+    ("replay", "seed", "1.5", "must be a whole number")])
+def test_what_is_no_number_is_said_by_its_name(execute, name, argument, text, words):
+    with pytest.raises(RuntimeError, match=f'^Argument "{argument}" is "{text}", {words}.$'):
+        execute(name, **{argument: text})
+
+
+@pytest.mark.parametrize("source", ["skeleton", "tf", "markers"])
+def test_the_simulator_sends_where_the_node_looks(execute, stubs, source):
+    executed = execute("replay", source=source)
+    node, = of(executed, "LifecycleNode")
+    assert node.values["node.source"] == source
+    _, simulator = simulator_of(executed)
+    stubs.run([simulator], stubs.LaunchContext())
+    assert simulator.values[source] is True
+    assert simulator.values["tf"] is (source == "tf")
+
+
+def test_the_stand_ins_refuse_what_the_real_ones_refuse(stubs):
+    actions, handlers, conditions, ros_actions, ros_handlers, lifecycle, parameters = map(
+        importlib.import_module,
+        ["launch.actions", "launch.event_handlers", "launch.conditions", "launch_ros.actions",
+         "launch_ros.event_handlers", "launch_ros.events.lifecycle",
+         "launch_ros.parameter_descriptions"])
+    value = parameters.ParameterValue
+    # What is substituted is coerced, what is there already is not.
+    rate = importlib.import_module("launch.substitutions").LaunchConfiguration("rate")
+    assert value(rate, value_type=float).evaluate(stubs.LaunchContext({"rate": "3"})) == 3.0
+    node = {"package": "p", "executable": "e", "name": "n", "namespace": ""}
+    process = actions.ExecuteProcess(cmd=["true"])
+    for kind, wrong in [
+            (TypeError, lambda: value("false", value_type=bool)),
+            (TypeError, lambda: value("30", value_type=float)),
+            (TypeError, lambda: value(30, value_type=float)),
+            (ValueError, lambda: value("30", value_type=bytes)),
+            (TypeError, lambda: actions.ExecuteProcess(cmd=["sleep", 1])),
+            (TypeError, lambda: actions.LogInfo(msg=1)),
+            (TypeError, lambda: actions.LogInfo(msg="", condition=True)),
+            (TypeError, lambda: actions.OpaqueFunction(function="start")),
+            (TypeError, lambda: actions.DeclareLaunchArgument("a", default_value=False)),
+            (RuntimeError, lambda: actions.DeclareLaunchArgument(
+                "a", default_value="c", choices=["a", "b"])),
+            (TypeError, lambda: actions.IncludeLaunchDescription(
+                None, launch_arguments={"clock": True}.items())),
+            (RuntimeError, lambda: actions.EmitEvent(event=process)),
+            (TypeError, lambda: conditions.IfCondition(True)),
+            (TypeError, lambda: handlers.OnProcessExit(target_action=7, on_exit=[process])),
+            (TypeError, lambda: handlers.OnProcessExit(on_exit=["text"])),
+            (TypeError, lambda: ros_actions.Node(parameters={"a": 1}, **node)),
+            (TypeError, lambda: ros_actions.Node(parameters=[{"a": None}], **node)),
+            (TypeError, lambda: ros_actions.Node(remappings=[("a", 1)], **node)),
+            (TypeError, lambda: ros_actions.Node(ros_arguments=[1], **node)),
+            (RuntimeError, lambda: ros_actions.LifecycleNode(**{**node, "name": None})),
+            (TypeError, lambda: ros_actions.LifecycleNode(package="p", executable="e", name="n")),
+            (RuntimeError, lambda: ros_handlers.OnStateTransition(
+                entities=[process], target_lifecycle_node=process)),
+            (ValueError, lambda: lifecycle.ChangeState(
+                lifecycle_node_matcher=lambda node: True, transition_id=99))]:
+        with pytest.raises(kind):
+            wrong()
+
+
+def installed(folder):
+    """A folder with the files laid out as an installed package has them; its programs do nothing."""
+    share = folder / "share/handover_mesh"
+    share.mkdir(parents=True)
+    for name in ["launch", "config"]:
+        (share / name).symlink_to(ROOT / name)
+    index = folder / "share/ament_index/resource_index/packages"
+    index.mkdir(parents=True)
+    (index / "handover_mesh").touch()
+    for program in ["lib/handover_mesh/handover_node", "lib/handover_mesh/handover_sim", "bin/ros2"]:
+        path = folder / program
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("#!/bin/sh\n")
+        path.chmod(0o755)
+    return folder
+
+
+@pytest.mark.parametrize(("name", "arguments"), [
+    ("handover", {}), ("handover", {"rate": "60", "role": "1", "use_sim_time": "true"}),
+    ("record", {"output": "/tmp/bag", "use_sim_time": "true"}),
+    ("replay", {}), ("replay", {"targets": "echo", "source": "tf", "seed": "3", "role": "giver"}),
+    ("replay", {"targets": "record", "clock": "true", "loop": "true", "speed": "2"})])
+def test_the_real_launch_takes_every_file(name, arguments, tmp_path):
+    """All actions made, included files too, parameters and commands evaluated; nothing started."""
+    # Not `launch`: any folder of that name would do.
+    pytest.importorskip("launch.actions", reason="no launch here: only stand-ins were used")
+    pytest.importorskip("launch_ros.actions", reason="no launch_ros here: only stand-ins were used")
     code = f"""
-import launch, launch.actions, runpy, sys
-description = runpy.run_path({str(ROOT / 'launch' / f'{name}.launch.py')!r})
-description = description["generate_launch_description"]()
+import launch, launch.actions, launch.utilities, launch_ros.actions
+from launch.launch_description_sources import PythonLaunchDescriptionSource
+
 context = launch.LaunchContext()
-entities = list(description.entities)
-for entity in entities:
-    if isinstance(entity, launch.actions.OpaqueFunction):
-        made = entity.execute(context)
-        assert made and all(isinstance(one, launch.Action) for one in made)
+context.launch_configurations.update({arguments!r})
+seen = []
+
+def go(entity):
+    seen.append(type(entity).__name__)
+    if isinstance(entity, launch_ros.actions.Node):
+        entity._perform_substitutions(context)
+    elif isinstance(entity, launch.actions.ExecuteProcess):
+        for word in entity.cmd:
+            launch.utilities.perform_substitutions(context, word)
     else:
-        entity.visit(context)
+        if isinstance(entity, launch.actions.RegisterEventHandler):
+            for later in entity.event_handler.describe()[1]:
+                if isinstance(later, launch_ros.actions.Node):
+                    go(later)
+        for one in entity.visit(context) or []:
+            go(one)
+
+path = {str(ROOT / 'launch' / f'{name}.launch.py')!r}
+go(PythonLaunchDescriptionSource(path).get_launch_description(context))
+wanted = {{"handover": ["LifecycleNode"], "record": ["ExecuteProcess"],
+           "replay": ["LifecycleNode", "Node"]}}[{name!r}]
+assert set(wanted) <= set(seen), seen
 """
-    installed = os.environ.get("AMENT_PREFIX_PATH", "")
-    if not any(pathlib.Path(path, "share/handover_mesh/launch").is_dir()
-               for path in installed.split(":")):
-        pytest.skip("handover_mesh is not installed in the ROS 2 that is sourced")
+    prefix = installed(tmp_path / "prefix")
+    environment = {
+        **os.environ, "PATH": f"{prefix}/bin:{os.environ['PATH']}",
+        "AMENT_PREFIX_PATH": f"{prefix}:{os.environ.get('AMENT_PREFIX_PATH', '')}".strip(":"),
+        "ROS_LOG_DIR": str(tmp_path)}
     done = subprocess.run([sys.executable, "-B", "-c", code], capture_output=True, text=True,
-                          timeout=60)
+                          timeout=60, env=environment, cwd=tmp_path)
     assert done.returncode == 0, done.stderr

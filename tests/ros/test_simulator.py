@@ -1,5 +1,6 @@
 """`handover_sim node` as a process: what is heard of it, asked of it, and what is left of it."""
 
+import itertools
 import math
 import pathlib
 import signal
@@ -22,7 +23,7 @@ from std_msgs.msg import Bool
 from visualization_msgs.msg import MarkerArray
 
 from handover import RECEIVER, nanoseconds
-from peer import DEEP, LATCHED, RELIABLE
+from peer import DEEP, DEEP_RELIABLE, LATCHED, RELIABLE
 from processes import wait_for
 
 NODE = "/handover_sim"
@@ -367,3 +368,59 @@ def test_standing_by_costs_little(simulator, ros):
     share = (used() - begin) / (time.monotonic() - at)
     print("of a core:", share, "MB:", process.memory() / 1e6)
     assert math.isfinite(share) and share < 0.5
+
+
+def test_its_clock_stands_until_somebody_listens(simulator, ros):
+    # Who records by simulated time listens to nobody before the time is known.
+    clock = ros.listen(Clock, "/clock", DEEP)
+    simulator(clock=True, clock_start=50.0, listeners=1, start_delay=0.5, tf=False)
+    clock.wait(200)
+    assert {nanoseconds(message.clock) for message in clock.messages} == {50 * 10**9}
+    heard = ros.listen(MultiDOFJointState, "skeleton", DEEP)
+    heard.wait(10)
+    assert 50.5e9 <= stamps(heard.messages)[0] < 51.5e9
+    times = [nanoseconds(message.clock) for message in clock.messages]
+    assert times == sorted(times)
+    assert max(b - a for a, b in zip(times, times[1:])) < 0.2e9, "it goes on from where it stood"
+
+
+def test_listeners_of_any_of_the_partners_topics_count(simulator, ros):
+    heard = ros.listen(MarkerArray, "skeleton_markers", DEEP_RELIABLE)
+    simulator(listeners=1, markers=True, start_delay=0.0)
+    heard.wait(3)
+
+
+def test_who_is_waited_for_is_said(simulator, ros):
+    heard = ros.listen(MultiDOFJointState, "skeleton", DEEP)
+    ros.listen(MarkerArray, "skeleton_markers", DEEP_RELIABLE)
+    process = simulator(listeners=2, markers=True, tf=False, start_delay=0.0)
+    # Somebody may listen to several topics: they are not added up.
+    line = "waits for 2 listeners of skeleton (1 there) or skeleton_markers (1 there)"
+    process.says(line, 10.0)
+    assert heard.count == 0
+    ros.listen(MultiDOFJointState, "skeleton", DEEP)
+    heard.wait(3)
+    assert process.stderr().count("waits for") == 1
+
+
+def test_the_farewell_lasts_and_is_no_silence(programs, ros):
+    clock = ros.publisher(Clock, "/clock", RELIABLE)
+    finished = ros.listen(Bool, f"{NODE}/finished", LATCHED)
+    step = itertools.count(500)
+
+    def tick():
+        message = Clock()
+        message.clock.sec, message.clock.nanosec = divmod(next(step) * 2 * 10**7, 10**9)
+        clock.publish(message)
+    ros.timer(0.005, tick)
+    process = programs.start("handover_sim", "node", parameters={
+        "use_sim_time": True, "exit_at_end": True, "speed": 10.0, "start_delay": 2.0})
+    # Found before: the farewell is for those who are there.
+    assert ros.get_parameters(NODE, "exit_at_end") == [True]
+    wait_for(lambda: finished.last is not None and finished.last.data, 20.0, "the end", process)
+    over = time.monotonic()
+    assert ros.get_parameters(NODE, "speed") == [10.0]
+    assert process.wait(5.0) == 0
+    took = time.monotonic() - over
+    print("farewell [s]:", round(took, 3))
+    assert 0.3 < took < 2.0

@@ -90,3 +90,13 @@ def test_faults_of_the_sensor_do_not_stop_it(handover, simulator, ros):
     wait_for(lambda: finished.last is not None and finished.last.data, 30, "the end")
     assert targets.count > 100
     assert "approach" in {message.data for message in states.messages}
+
+
+@pytest.mark.parametrize("source", ["tf", "markers"])
+def test_whoever_looks_elsewhere_is_waited_for_too(handover, simulator, ros, source):
+    if source == "tf":
+        pytest.importorskip("tf2_msgs.msg")
+    handover({"node.source": source})
+    states = ros.listen(String, "/handover/handover_state", LATCHED)
+    simulator(listeners=1, **{source: True})
+    wait_for(lambda: states.last is not None and states.last.data == "approach", 20, "approach")

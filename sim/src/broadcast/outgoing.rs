@@ -65,6 +65,9 @@ impl Topic {
         Self::Finished,
     ];
 
+    /// Those that say where the partner is.
+    pub const PARTNER: [Self; 3] = [Self::Skeleton, Self::Transforms, Self::Markers];
+
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {

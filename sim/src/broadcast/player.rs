@@ -140,6 +140,19 @@ impl Player {
         Ok(())
     }
 
+    /// What is due while nothing may begin yet: with a clock of our own the time, which stands still
+    /// at its start until [`Self::advance`] is called. Whoever waits for the time before listening
+    /// would else be waited for in vain.
+    ///
+    /// - `now`: as of [`Self::advance`].
+    pub fn stand_by(&mut self, now: Stamp) -> Option<Outgoing> {
+        self.settings.has_clock.then(|| {
+            let start = self.start();
+            self.last = Some((now, start));
+            Outgoing::Clock(Clock { clock: Time::of(start) })
+        })
+    }
+
     /// All that has become due until `now`, in order, each message with its own stamp.
     ///
     /// - `now`: of the clock that stamps are in, e.g. since 1970; with a clock of our own, of any
@@ -213,9 +226,7 @@ impl Player {
     fn time(&mut self, now: Stamp) -> Stamp {
         let settings = &self.settings;
         let Some((asked, time)) = self.last else {
-            let own = self.source.first_stamp().max(EARLIEST);
-            let start = settings.clock_start.map_or(own, |start| Stamp(0) + start);
-            let time = if settings.has_clock { start } else { now };
+            let time = if settings.has_clock { self.start() } else { now };
             self.last = Some((now, time));
             return time;
         };
@@ -233,6 +244,12 @@ impl Player {
         };
         self.last = Some((now, time));
         time
+    }
+
+    /// Where simulated time starts.
+    fn start(&self) -> Stamp {
+        let own = self.source.first_stamp().max(EARLIEST);
+        self.settings.clock_start.map_or(own, |start| Stamp(0) + start)
     }
 
     fn shift(&mut self, by: Span) {

@@ -37,7 +37,7 @@ pub struct Settings {
     pub pause: Span,
     /// Before the first beginning.
     pub start_delay: Span,
-    /// How many have to listen to the partner before that delay begins.
+    /// How many have to listen to one of the partner's topics before that delay begins.
     pub listeners: usize,
     /// Whether time is ours: stamps are simulated, and `/clock` tells others.
     pub has_clock: bool,
@@ -93,7 +93,7 @@ pub fn parameters(kind: &str) -> Vec<Parameter> {
             Parameter::new(
                 "listeners",
                 0,
-                "How many have to listen to the partner before start_delay begins [-]",
+                "How many have to listen to one of the partner's topics before start_delay begins [-]",
             )
             .whole(0, 100),
         ),

@@ -11,11 +11,10 @@ mod write;
 
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use handover_mesh::Recording;
-use handover_mesh::formats::{self, Format, ReadError, amc, csv};
+use handover_mesh::formats::{self, FileError, Format, ReadError, amc, csv};
 use handover_mesh::model::Model;
 use rayon::prelude::*;
 use sha2::{Digest as _, Sha256};
@@ -27,9 +26,6 @@ use names::{Place, distinct_names};
 use search::Found;
 pub(crate) use search::{about, is_bag};
 pub(crate) use write::{Growing, Target, check_out, check_place, write, write_bytes, write_text};
-
-/// No recording or model is as large; what claims to be must not fill the memory.
-const LARGEST: u64 = 1 << 29;
 
 /// A recording and where it comes from.
 #[derive(Debug)]
@@ -239,7 +235,7 @@ fn read_one<T>(
 /// A recording, of whatever format; `None` if it is not of the class asked for.
 fn parse(path: &Path, place: &Place, selection: &Selection) -> Option<Result<Loaded, Vec<Fault>>> {
     if path.is_dir() {
-        let bag = bag::Bag::open(path).and_then(|bag| bag.read(path, place, selection));
+        let bag = bag::open(path).and_then(|files| bag::read(&files, path, place, selection));
         return of_class(bag, place, selection);
     }
     let bytes = match bytes(path) {
@@ -248,7 +244,7 @@ fn parse(path: &Path, place: &Place, selection: &Selection) -> Option<Result<Loa
     };
     let format = formats::detect(&bytes);
     if let Ok(Format::Mcap | Format::Sqlite) = format {
-        let bag = bag::Bag::of_file(path, bytes).read(path, place, selection);
+        let bag = bag::read(&bag::of_file(path, bytes), path, place, selection);
         return of_class(bag, place, selection);
     }
     if !is_of_class(place, Some(&csv::metadata(&bytes)), selection) {
@@ -324,16 +320,8 @@ pub(crate) fn text(path: &Path) -> Result<String, Vec<Fault>> {
 /// # Errors
 /// If it cannot be read, or is larger than any file of ours.
 pub(crate) fn bytes(path: &Path) -> Result<Vec<u8>, Vec<Fault>> {
-    let mut bytes = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(LARGEST + 1).read_to_end(&mut bytes));
-    match read {
-        Ok(count) if count as u64 > LARGEST => {
-            Err(Fault::of_file(format!("larger than {} MiB", LARGEST >> 20)))
-        }
-        Ok(_) => Ok(bytes),
-        Err(error) => Err(Fault::of_file(format!("cannot be read: {error}"))),
-    }
-    .map_err(|fault| vec![fault])
+    let file = File::open(path).map_err(FileError::Unreadable);
+    file.and_then(formats::bytes).map_err(|error| vec![Fault::of_file(error.to_string())])
 }
 
 fn faults(error: &ReadError) -> Vec<Fault> {

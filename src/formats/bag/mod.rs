@@ -13,6 +13,7 @@
 mod assemble;
 mod collect;
 mod definitions;
+mod files;
 mod fill;
 mod folder;
 mod losses;
@@ -24,6 +25,7 @@ mod sqlite;
 mod track;
 mod write;
 
+pub use files::{Files, FolderError};
 pub use folder::{METADATA_FILE, file_names};
 pub use losses::Loss;
 pub use people::{PARTNER, ROBOT};

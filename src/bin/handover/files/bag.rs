@@ -4,21 +4,14 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
-use handover_mesh::formats::bag::{self, METADATA_FILE};
+use handover_mesh::formats::bag::{Files, FolderError, METADATA_FILE, Read};
 use sha2::{Digest as _, Sha256};
 
-use super::{Fault, LARGEST, Loaded, Place, bytes, faults, hexadecimal};
+use super::{Fault, Loaded, Place, faults, hexadecimal};
 use crate::args::Selection;
 
 /// Metadata are a few kilobytes; other files of that name may be anything.
 const LARGEST_METADATA: u64 = 1 << 24;
-
-/// The files of a bag, in memory.
-pub(super) struct Bag {
-    /// Those that are not there are none.
-    files: Vec<(String, Option<Vec<u8>>)>,
-    metadata: Option<String>,
-}
 
 /// Whether a folder is a bag: rosbag2's metadata lie in it.
 pub(super) fn is_bag(folder: &Path) -> bool {
@@ -32,56 +25,38 @@ fn metadata(folder: &Path) -> Option<String> {
     Some(text)
 }
 
-impl Bag {
-    /// The files that the folder's metadata name.
-    pub(super) fn open(folder: &Path) -> Result<Self, Vec<Fault>> {
-        let text = metadata(folder).unwrap_or_default();
-        let (mut files, mut size) = (Vec::new(), 0);
-        for name in bag::file_names(&text).map_err(|error| faults(&error))? {
-            let path = folder.join(&name);
-            let found = if path.is_file() { Some(bytes(&path)?) } else { None };
-            size += found.as_ref().map_or(0, Vec::len) as u64;
-            if size > LARGEST {
-                let reason = format!("larger than {} MiB", LARGEST >> 20);
-                return Err(vec![Fault::of_file(reason)]);
-            }
-            files.push((name, found));
-        }
-        Ok(Self { files, metadata: Some(text) })
-    }
+/// The files that the folder's metadata name.
+pub(super) fn open(folder: &Path) -> Result<Files, Vec<Fault>> {
+    let text = metadata(folder).unwrap_or_default();
+    Files::of_folder(text, |name| File::open(folder.join(name))).map_err(|error| match error {
+        FolderError::Metadata(error) => faults(&error),
+        error @ FolderError::File { .. } => vec![Fault::of_file(error.to_string())],
+    })
+}
 
-    /// A bare file.
-    pub(super) fn of_file(path: &Path, bytes: Vec<u8>) -> Self {
-        let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
-        Self { files: vec![(name.unwrap_or_default(), Some(bytes))], metadata: None }
-    }
+/// A bare file.
+pub(super) fn of_file(path: &Path, bytes: Vec<u8>) -> Files {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
+    Files::of_file(name.unwrap_or_default(), bytes)
+}
 
-    /// The recording; what is lost and what was mended comes with it.
-    pub(super) fn read(
-        &self,
-        path: &Path,
-        place: &Place,
-        selection: &Selection,
-    ) -> Result<Loaded, Vec<Fault>> {
-        let files: Vec<bag::File<'_>> = self
-            .files
-            .iter()
-            .map(|(name, bytes)| bag::File { name, bytes: bytes.as_deref() })
-            .collect();
-        let read = bag::read(&files, self.metadata.as_deref(), &place.name(0), selection.up_axis());
-        let bag::Read { recording, format, losses, notes } =
-            read.map_err(|error| faults(&error))?;
-        let mut hash = Sha256::new();
-        for (_, bytes) in &self.files {
-            hash.update(bytes.as_deref().unwrap_or_default());
-        }
-        Ok(Loaded {
-            path: path.to_owned(),
-            recording,
-            format,
-            sha256: hexadecimal(&hash.finalize()),
-            losses: losses.iter().map(ToString::to_string).collect(),
-            notes,
-        })
-    }
+/// The recording; what is lost and what was mended comes with it.
+pub(super) fn read(
+    files: &Files,
+    path: &Path,
+    place: &Place,
+    selection: &Selection,
+) -> Result<Loaded, Vec<Fault>> {
+    let read = files.read(&place.name(0), selection.up_axis());
+    let Read { recording, format, losses, notes } = read.map_err(|error| faults(&error))?;
+    let mut hash = Sha256::new();
+    files.bytes().for_each(|bytes| hash.update(bytes));
+    Ok(Loaded {
+        path: path.to_owned(),
+        recording,
+        format,
+        sha256: hexadecimal(&hash.finalize()),
+        losses: losses.iter().map(ToString::to_string).collect(),
+        notes,
+    })
 }

@@ -1,7 +1,8 @@
 """Stand-in for ROS 2's `launch`, for machines without it: as much as our launch files use.
 
 Signatures are those that Humble to Kilted have in common, keyword for keyword, so that what is
-misspelt fails. Nothing is started: what would be is kept in the context.
+misspelt fails; of types it refuses what they refuse, as early. Nothing is started: what would be is
+kept in the context.
 """
 
 
@@ -20,21 +21,42 @@ class Substitution:
         raise NotImplementedError
 
 
+def is_substitution(value):
+    """Whether it is one, or several in a row and texts between."""
+    parts = value if isinstance(value, (list, tuple)) else [value]
+    return (all(isinstance(part, (str, Substitution)) for part in parts)
+            and any(isinstance(part, Substitution) for part in parts))
+
+
+def text_of(value):
+    """What has to become text, if it can."""
+    parts = value if isinstance(value, (list, tuple)) else [value]
+    if not all(isinstance(part, (str, Substitution)) for part in parts):
+        raise TypeError(f"{value!r} is no text and no substitution")
+    return value
+
+
 def perform(context, value):
     """Text of text, of a substitution, or of several in a row."""
-    if isinstance(value, str):
-        return value
-    if isinstance(value, Substitution):
-        return value.perform(context)
-    assert isinstance(value, (list, tuple)), f"{value!r} is no text and no substitution"
-    return "".join(perform(context, part) for part in value)
+    if isinstance(text_of(value), (list, tuple)):
+        return "".join(perform(context, part) for part in value)
+    return value if isinstance(value, str) else value.perform(context)
+
+
+class Event:
+    """Something that happens."""
+
+
+class Condition:
+    """Holds in a context, or does not."""
 
 
 class Action:
     """Does something when it is visited, if its condition holds."""
 
     def __init__(self, *, condition=None):
-        assert condition is None or hasattr(condition, "evaluate")
+        if not isinstance(condition, (Condition, type(None))):
+            raise TypeError(f"{condition!r} is no condition")
         self.condition = condition
 
     def visit(self, context):
@@ -65,4 +87,9 @@ class LaunchDescription:
 
 
 def as_list(entities):
-    return list(entities) if isinstance(entities, (list, tuple)) else [entities]
+    """Actions, as one or several."""
+    entities = list(entities) if isinstance(entities, (list, tuple)) else [entities]
+    for entity in entities:
+        if not isinstance(entity, (Action, LaunchDescription)):
+            raise TypeError(f"{entity!r} is no action")
+    return entities

@@ -1,15 +1,16 @@
 """Stand-in: actions."""
 
-from . import Action, LaunchContext, Substitution, perform
+from . import Action, Event, LaunchContext, perform, text_of
+from .event_handlers import EventHandler
 
 
 class DeclareLaunchArgument(Action):
     def __init__(self, name, *, default_value=None, description=None, choices=None, **kwargs):
         super().__init__(**kwargs)
-        assert choices is None or choices, "an empty list of choices"
-        if choices is not None and isinstance(default_value, str):
-            assert default_value in choices, f"{default_value} is none of {choices}"
-        self.name, self.default_value = name, default_value
+        if choices is not None and (not choices or default_value not in [None, *choices]):
+            raise RuntimeError(f"{default_value!r} is none of {choices}")
+        self.name = name
+        self.default_value = None if default_value is None else text_of(default_value)
         self.description, self.choices = description, choices
 
     def execute(self, context):
@@ -26,6 +27,8 @@ class DeclareLaunchArgument(Action):
 class OpaqueFunction(Action):
     def __init__(self, *, function, args=None, kwargs=None, **left):
         super().__init__(**left)
+        if not callable(function):
+            raise TypeError(f"{function!r} cannot be called")
         self.function, self.args, self.kwargs = function, args or [], kwargs or {}
 
     def execute(self, context):
@@ -36,18 +39,21 @@ class OpaqueFunction(Action):
 class LogInfo(Action):
     def __init__(self, *, msg, **kwargs):
         super().__init__(**kwargs)
-        self.msg = msg
+        self.msg = text_of(msg)
 
 
 class EmitEvent(Action):
     def __init__(self, *, event, **kwargs):
         super().__init__(**kwargs)
+        if not isinstance(event, Event):
+            raise RuntimeError(f"EmitEvent() expected an event, got {event!r}")
         self.event = event
 
 
 class RegisterEventHandler(Action):
     def __init__(self, event_handler, **kwargs):
         super().__init__(**kwargs)
+        assert isinstance(event_handler, EventHandler)
         self.event_handler = event_handler
 
 
@@ -56,7 +62,9 @@ class ExecuteProcess(Action):
                  output="log", sigterm_timeout="5", sigkill_timeout="5", emulate_tty=False,
                  prefix=None, respawn=False, respawn_delay=None, on_exit=None, **kwargs):
         super().__init__(**kwargs)
-        self.cmd, self.name, self.output = cmd, name, output
+        self.cmd = [text_of(word) for word in cmd]
+        self.name = None if name is None else text_of(name)
+        self.output = text_of(output)
 
     def execute(self, context):
         assert self not in context.executed, "executed more than once"
@@ -67,7 +75,9 @@ class ExecuteProcess(Action):
 class IncludeLaunchDescription(Action):
     def __init__(self, launch_description_source, *, launch_arguments=None, **kwargs):
         super().__init__(**kwargs)
-        self.source, self.arguments = launch_description_source, list(launch_arguments or ())
+        self.source = launch_description_source
+        self.arguments = [(text_of(name), text_of(value))
+                          for name, value in tuple(launch_arguments or ())]
 
     def execute(self, context):
         super().execute(context)
@@ -77,8 +87,5 @@ class IncludeLaunchDescription(Action):
         for name, value in self.arguments:
             # The real one lets it pass; a misspelt name would be lost.
             assert name in declared, f"{self.source.path} has no argument {name}"
-            assert isinstance(value, (str, Substitution)), f"{name}: {value!r}"
             context.launch_configurations[name] = perform(context, value)
         return [description]
-
-

@@ -1,11 +1,11 @@
 """Stand-in: conditions."""
 
-from . import perform
+from . import Condition, perform, text_of
 
 
-class IfCondition:
+class IfCondition(Condition):
     def __init__(self, predicate_expression):
-        self.expression = predicate_expression
+        self.expression = text_of(predicate_expression)
 
     def evaluate(self, context):
         value = perform(context, self.expression).strip().lower()

@@ -1,17 +1,21 @@
 """Stand-in: handlers of events."""
 
 from . import as_list
-from .actions import ExecuteProcess
 
 
 class EventHandler:
     def __init__(self, *, matcher=None, entities=None, handle_once=False):
-        self.entities, self.handle_once = as_list(entities), handle_once
+        self.entities, self.handle_once = as_list(entities or []), handle_once
 
 
 class _OnAction(EventHandler):
     def __init__(self, target_action, entities, **kwargs):
-        assert target_action is None or isinstance(target_action, ExecuteProcess)
+        # Here, since actions know handlers.
+        from .actions import ExecuteProcess
+
+        is_process = isinstance(target_action, (ExecuteProcess, type(None)))
+        if not is_process and not callable(target_action):
+            raise TypeError(f"{target_action!r} is no process and matches none")
         super().__init__(entities=entities, **kwargs)
         self.target_action = target_action
 

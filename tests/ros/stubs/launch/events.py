@@ -1,7 +1,10 @@
 """Stand-in: events."""
 
 
-class Shutdown:
+from . import Event
+
+
+class Shutdown(Event):
     def __init__(self, *, reason="reason not given", due_to_sigint=False):
         self.reason = reason
 

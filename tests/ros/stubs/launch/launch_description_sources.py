@@ -2,12 +2,12 @@
 
 import runpy
 
-from . import LaunchDescription, perform
+from . import LaunchDescription, perform, text_of
 
 
 class PythonLaunchDescriptionSource:
     def __init__(self, launch_file_path):
-        self.path = launch_file_path
+        self.path = text_of(launch_file_path)
 
     def load(self, context):
         self.path = perform(context, self.path)

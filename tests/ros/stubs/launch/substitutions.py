@@ -2,12 +2,12 @@
 
 import os
 
-from . import Substitution, perform
+from . import Substitution, perform, text_of
 
 
 class LaunchConfiguration(Substitution):
     def __init__(self, variable_name, *, default=None):
-        self.name, self.default = variable_name, default
+        self.name, self.default = text_of(variable_name), default
 
     def perform(self, context):
         if self.name not in context.launch_configurations:
@@ -18,7 +18,7 @@ class LaunchConfiguration(Substitution):
 
 class PathJoinSubstitution(Substitution):
     def __init__(self, substitutions):
-        self.parts = list(substitutions)
+        self.parts = [text_of(part) for part in substitutions]
 
     def perform(self, context):
         return os.path.join(*(perform(context, part) for part in self.parts))
@@ -26,7 +26,7 @@ class PathJoinSubstitution(Substitution):
 
 class FindExecutable(Substitution):
     def __init__(self, *, name):
-        self.name = name
+        self.name = text_of(name)
 
     def perform(self, context):
         return f"/bin/{self.name}"

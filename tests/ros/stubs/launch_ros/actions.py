@@ -1,9 +1,21 @@
 """Stand-in: nodes."""
 
-from launch import perform
+from launch import perform, text_of
 from launch.actions import ExecuteProcess
 
 from .parameter_descriptions import ParameterValue
+
+
+def parameter_of(entry):
+    """A file's path, or values by name."""
+    if not isinstance(entry, dict):
+        return text_of(entry)
+    for name, value in entry.items():
+        text_of(name)
+        # The real one takes texts too, but reads what is substituted as YAML: ours say their type.
+        if not isinstance(value, (ParameterValue, bool, int, float)):
+            raise TypeError(f"{name}: {value!r} is no value with a type")
+    return entry
 
 
 class Node(ExecuteProcess):
@@ -11,15 +23,16 @@ class Node(ExecuteProcess):
                  exec_name=None, parameters=None, remappings=None, ros_arguments=None,
                  arguments=None, **kwargs):
         super().__init__(cmd=[package, executable, *(arguments or [])], name=exec_name, **kwargs)
-        assert isinstance(parameters or [], list), "parameters is no list"
+        if not isinstance(parameters, (list, type(None))):
+            raise TypeError("parameters is no list")
         self.package, self.executable, self.arguments = package, executable, arguments or []
         self.node_name, self.namespace = name, namespace
-        self.parameters, self.remappings = parameters or [], remappings or []
-        self.ros_arguments = ros_arguments or []
+        self.parameters = [parameter_of(entry) for entry in parameters or []]
+        self.remappings = [(text_of(old), text_of(new)) for old, new in remappings or []]
+        self.ros_arguments = [text_of(word) for word in ros_arguments or []]
 
     def execute(self, context):
         super().execute(context)
-        assert all(isinstance(word, str) for word in self.ros_arguments)
         self.node_name = perform(context, self.node_name)
         self.namespace = perform(context, self.namespace)
         self.files, self.values = [], {}
@@ -28,9 +41,8 @@ class Node(ExecuteProcess):
                 self.files.append(perform(context, entry))
                 continue
             for name, value in entry.items():
-                # A bare text would be read as YAML, and might become a number.
-                assert isinstance(value, ParameterValue), f"{name}: {value!r} has no type"
-                self.values[name] = value.evaluate(context)
+                is_typed = isinstance(value, ParameterValue)
+                self.values[name] = value.evaluate(context) if is_typed else value
         self.remappings = [(perform(context, old), perform(context, new))
                            for old, new in self.remappings]
 
@@ -38,4 +50,6 @@ class Node(ExecuteProcess):
 class LifecycleNode(Node):
     # The real one wants both, though Node does not.
     def __init__(self, *, name, namespace, **kwargs):
+        if name is None:
+            raise RuntimeError("'name' must not be None.")
         super().__init__(name=name, namespace=namespace, **kwargs)

@@ -11,7 +11,8 @@ STATES = {"unconfigured", "inactive", "active", "finalized", "configuring", "cle
 class OnStateTransition(EventHandler):
     def __init__(self, *, entities, target_lifecycle_node=None, transition=None, start_state=None,
                  goal_state=None, matcher=None, **kwargs):
-        assert target_lifecycle_node is None or isinstance(target_lifecycle_node, LifecycleNode)
+        if not isinstance(target_lifecycle_node, (LifecycleNode, type(None))):
+            raise RuntimeError("OnStateTransition requires a LifecycleNode as the target")
         assert {start_state, goal_state} <= STATES | {None}
         super().__init__(entities=entities, **kwargs)
         self.target, self.start_state, self.goal_state = (

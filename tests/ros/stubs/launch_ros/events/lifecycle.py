@@ -1,8 +1,12 @@
 """Stand-in: events of lifecycle nodes."""
 
+from launch import Event
 
-class ChangeState:
+
+class ChangeState(Event):
     def __init__(self, *, lifecycle_node_matcher, transition_id):
         assert callable(lifecycle_node_matcher)
-        assert isinstance(transition_id, int)
+        # Create to active_shutdown, and destroy.
+        if transition_id not in range(9):
+            raise ValueError(f"{transition_id!r} is no transition")
         self.lifecycle_node_matcher, self.transition_id = lifecycle_node_matcher, transition_id
