@@ -14,7 +14,7 @@ use handover_mesh::formats::{self, Format, UpAxis};
 use handover_mesh::parameters::{ParameterValue, Refusals};
 use handover_mesh::ros::context::{ArgumentsError, context};
 use handover_mesh::ros::parameters::{ParameterServer, ParameterServerError};
-use handover_mesh::ros::shell::{RosClock, Stop};
+use handover_mesh::ros::shell::{RosClock, Stop, line};
 use handover_mesh::{Recording, Span, Stamp};
 use handover_sim::broadcast::{
     BroadcastError, Outgoing, Player, Reliability, Settings, Source, Topic, follow_ups, parameters,
@@ -101,7 +101,8 @@ impl Broadcast {
         };
         let player = Player::new(source, settings)?;
         let [robot, partner] = player.names();
-        r2r::log_info!(node.logger(), "plays {what}: the partner is {partner}, the robot {robot}");
+        let plays = format!("plays {what}: the partner is {partner}, the robot {robot}");
+        r2r::log_info!(node.logger(), "{}", line(plays));
         Ok(Self {
             publishers: publishers(node, player.settings())?,
             ros_clock: server.clock(),
@@ -259,10 +260,10 @@ fn read(path: &Path, up: UpAxis) -> Result<Recording> {
     };
     let read = files.read(&name, up).with_context(at)?;
     for lost in &read.losses {
-        r2r::log_warn!(NAME, "{}: lost: {lost}", at());
+        r2r::log_warn!(NAME, "{}", line(format_args!("{}: lost: {lost}", at())));
     }
     for note in &read.notes {
-        r2r::log_info!(NAME, "{}: {note}", at());
+        r2r::log_info!(NAME, "{}", line(format_args!("{}: {note}", at())));
     }
     Ok(read.recording)
 }
