@@ -11,7 +11,7 @@ from sensor_msgs.msg import MultiDOFJointState
 from std_msgs.msg import String
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 
-from peer import DEEP, DEEP_RELIABLE, LATCHED, RELIABLE, SENSOR
+from peer import DEEP, DEEP_RELIABLE, LATCHED, SENSOR
 from processes import wait_for
 
 GIVER, RECEIVER = "giver", "receiver"
@@ -134,8 +134,8 @@ class Meeting:
         self.partner.publish(message)
 
     def begin(self, frame=0):
-        """Shows a frame until the node, active, says that it sees the partner and where the robot is
-        to be: from here on they hear each other."""
+        """Shows a frame until the node, active, says that it sees the partner and where the robot
+        is to be: from here on they hear each other."""
         begun = nanoseconds(self.now())
 
         def is_answered():
@@ -143,7 +143,7 @@ class Meeting:
             time.sleep(0.02)
             return self.said(begun) and any(
                 "partner_age_s" in status for status in self.statuses(begun))
-        wait_for(is_answered, 10, "that the node sees the partner and says where the robot is to be")
+        wait_for(is_answered, 10, "targets, and that the partner is seen")
         self.sent.clear()
 
     def said(self, since, until=float("inf")):
@@ -161,12 +161,12 @@ class Meeting:
                              for heard in (self.targets, self.diagnostics)),
                  10, "what the node says of now")
 
-    def play(self, start=0, end=None, speed=1.0):
+    def play(self, start=0, end=None):
         """Frames by the wall clock."""
         end = len(self.clip.times) if end is None else end
-        begun = time.monotonic() - self.clip.times[start] / speed
+        begun = time.monotonic() - self.clip.times[start]
         for frame in range(start, end):
-            time.sleep(max(0.0, begun + self.clip.times[frame] / speed - time.monotonic()))
+            time.sleep(max(0.0, begun + self.clip.times[frame] - time.monotonic()))
             self.show(frame)
 
     def play_in_background(self, **how):
@@ -205,6 +205,6 @@ def distance(one, other):
     return sum((a - b) ** 2 for a, b in zip(one, other, strict=True)) ** 0.5
 
 
-__all__ = ["Clip", "Meeting", "GIVER", "RECEIVER", "RELIABLE", "SENSOR", "DEEP", "DEEP_RELIABLE",
-           "LATCHED", "best_of_two", "distance", "hold_of_the_unseen", "median_step", "nanoseconds",
-           "place_of", "skeleton", "statuses", "transform"]
+__all__ = ["Clip", "Meeting", "GIVER", "RECEIVER", "DEEP", "DEEP_RELIABLE", "LATCHED",
+           "best_of_two", "distance", "hold_of_the_unseen", "median_step", "nanoseconds", "place_of",
+           "skeleton", "statuses", "transform"]

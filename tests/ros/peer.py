@@ -22,7 +22,8 @@ from processes import wait_for
 SENSOR = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 RELIABLE = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 # To hear all that was said, however late this process is: such a listener goes with any publisher,
-# the second with reliable ones, the third with those that keep what they said for whoever comes later.
+# the second with reliable ones, the third with those that keep what they said for whoever comes
+# later.
 DEEP = QoSProfile(depth=2000, reliability=ReliabilityPolicy.BEST_EFFORT)
 DEEP_RELIABLE = QoSProfile(depth=2000, reliability=ReliabilityPolicy.RELIABLE)
 LATCHED = QoSProfile(depth=2000, reliability=ReliabilityPolicy.RELIABLE,
