@@ -1,15 +1,17 @@
 """What tests of the handover node share: clips played to it, a model, what it says."""
 
 import csv
+import statistics
 import threading
 import time
 
+from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import Transform
 from sensor_msgs.msg import MultiDOFJointState
 from std_msgs.msg import String
 from trajectory_msgs.msg import MultiDOFJointTrajectory
 
-from peer import DEEP, DEEP_RELIABLE, LATCHED, RELIABLE, SENSOR
+from peer import DEEP, DEEP_RELIABLE, LATCHED, SENSOR
 from processes import wait_for
 
 GIVER, RECEIVER = "giver", "receiver"
@@ -64,49 +66,107 @@ def skeleton(joints, stamp, frame="world"):
     return message
 
 
+def statuses(heard, since=0, node="/handover"):
+    """What was heard on /diagnostics of a node's ticks after a time [ns]: the values by key, and
+    `stamp` [ns] and `message` besides."""
+    return [{"stamp": nanoseconds(message.header.stamp), "message": status.message,
+             **{value.key: value.value for value in status.values}}
+            for message in heard.messages if nanoseconds(message.header.stamp) > since
+            for status in message.status if status.name == f"{node}: tick"]
+
+
+def hold_of_the_unseen(told):
+    """By what was told of every tick until the partner was seen no more: the time [s] from the tick
+    in which the last sighting came to the last one that knew the partner, and to the one after it;
+    why that one holds."""
+    def of(status):
+        """When the newest sighting was of [ns]."""
+        return status["stamp"] - float(status["partner_age_s"]) * 1e9
+    known = [at for at, status in enumerate(told) if "partner_age_s" in status]
+    last = known[-1]
+    came = next(told[at]["stamp"] for at in known if abs(of(told[at]) - of(told[last])) < 1e6)
+    went_on, held = [(status["stamp"] - came) * 1e-9 for status in told[last:last + 2]]
+    return went_on, held, told[last + 1]["hold_reason"]
+
+
+def median_step(messages):
+    """By their stamps, half of the messages came within this time after the one before [s]."""
+    stamps = [nanoseconds(message.header.stamp) for message in messages]
+    return 1e-9 * statistics.median(b - a for a, b in zip(stamps, stamps[1:], strict=False))
+
+
 class Meeting:
-    """A clip's receiver played to a node under `namespace`, and what the node says to it."""
+    """A clip's receiver played to a node under `namespace`, and what the node says to it.
 
-    def __init__(self, ros, clip, namespace="", node="handover", listens=True):
-        self.ros, self.clip = ros, clip
-        self.targets = ros.listen(MultiDOFJointTrajectory, f"{namespace}/{node}/joint_targets",
+    Who judges what was said after something, goes by stamps: what was said before may come late.
+    """
+
+    def __init__(self, ros, clip, namespace="", node="handover", kind=MultiDOFJointState,
+                 topic=None, targets=None, quality=SENSOR):
+        self.ros, self.clip, self.node = ros, clip, f"{namespace}/{node}"
+        self.targets = ros.listen(MultiDOFJointTrajectory, targets or f"{self.node}/joint_targets",
                                   DEEP_RELIABLE)
-        self.states = ros.listen(String, f"{namespace}/{node}/handover_state", LATCHED)
-        self.robot = ros.publisher(MultiDOFJointState, f"{namespace}/robot_skeleton")
-        self.partner = ros.publisher(MultiDOFJointState, f"{namespace}/skeleton")
+        self.states = ros.listen(String, f"{self.node}/handover_state", LATCHED)
+        self.diagnostics = ros.listen(DiagnosticArray, "/diagnostics", DEEP_RELIABLE)
+        self.robot = ros.publisher(MultiDOFJointState, f"{namespace}/robot_skeleton", quality,
+                                   subscribers=1)
+        self.partner = ros.publisher(kind, topic or f"{namespace}/skeleton", quality,
+                                     subscribers=1)
+        # Where the robot says it is, if not as in the clip: joints [m] by name.
+        self.pose = None
+        # Of every frame that was played: by the wall clock [ns], and its stamp [ns].
         self.sent = []
-        if listens:
-            wait_for(lambda: self.partner.get_subscription_count() > 0
-                     and self.robot.get_subscription_count() > 0
-                     and ros.node.count_publishers(self.targets_topic(namespace, node)) > 0,
-                     10, "the node on its topics")
 
-    @staticmethod
-    def targets_topic(namespace, node):
-        return f"{namespace}/{node}/joint_targets"
+    def now(self):
+        """The time for stamps."""
+        return self.ros.now()
 
-    def show(self, frame, partner=True):
+    def seen(self, frame, stamp):
+        """The message of the partner in a frame."""
+        return skeleton(self.clip.people[frame][RECEIVER], stamp)
+
+    def show(self, frame):
         """One frame: where the robot is, and the partner."""
-        stamp = self.ros.now()
-        self.robot.publish(skeleton(self.clip.robot(frame), stamp))
-        if partner:
-            self.sent.append((time.time_ns(), nanoseconds(stamp)))
-            self.partner.publish(skeleton(self.clip.people[frame][RECEIVER], stamp))
+        stamp = self.now()
+        self.robot.publish(skeleton(self.pose or self.clip.robot(frame), stamp))
+        message = self.seen(frame, stamp)
+        self.sent.append((time.time_ns(), nanoseconds(stamp)))
+        self.partner.publish(message)
 
     def begin(self, frame=0):
-        """Shows a frame until the node answers: a first best-effort message may be lost."""
+        """Shows a frame until the node, active, says that it sees the partner and where the robot
+        is to be: from here on they hear each other."""
+        begun = nanoseconds(self.now())
+
         def is_answered():
             self.show(frame)
             time.sleep(0.02)
-            return self.targets.count > 0
-        wait_for(is_answered, 10, "a first target")
+            return self.said(begun) and any(
+                "partner_age_s" in status for status in self.statuses(begun))
+        wait_for(is_answered, 10, "targets, and that the partner is seen")
+        self.sent.clear()
 
-    def play(self, start=0, end=None, speed=1.0):
+    def said(self, since, until=float("inf")):
+        """The targets between two times [ns]."""
+        return [target for target in self.targets.messages
+                if since < nanoseconds(target.header.stamp) < until]
+
+    def statuses(self, since=0):
+        return statuses(self.diagnostics, since, self.node)
+
+    def catch_up(self):
+        """Waits until all is here that the node, which ticks, said until now."""
+        now = nanoseconds(self.now())
+        wait_for(lambda: all(heard.last is not None and nanoseconds(heard.last.header.stamp) > now
+                             for heard in (self.targets, self.diagnostics)),
+                 10, "what the node says of now")
+
+    def play(self, start=0, end=None):
         """Frames by the wall clock."""
         end = len(self.clip.times) if end is None else end
-        begun = time.monotonic() - self.clip.times[start] / speed
+        begun = time.monotonic() - self.clip.times[start]
         for frame in range(start, end):
-            time.sleep(max(0.0, begun + self.clip.times[frame] / speed - time.monotonic()))
+            time.sleep(max(0.0, begun + self.clip.times[frame] - time.monotonic()))
             self.show(frame)
 
     def play_in_background(self, **how):
@@ -116,13 +176,13 @@ class Meeting:
 
     def answers(self):
         """How long each frame waited until the first target that can know it was sent [s]."""
+        self.catch_up()
         heard, waits = list(self.targets.entries), []
         at = 0
-        for sent, stamp in self.sent:
-            while at < len(heard) and nanoseconds(heard[at][1].header.stamp) < stamp:
+        for sent, _ in self.sent:
+            while nanoseconds(heard[at][1].header.stamp) < sent:
                 at += 1
-            if at < len(heard):
-                waits.append((heard[at][0] - sent) * 1e-9)
+            waits.append((heard[at][0] - sent) * 1e-9)
         return waits
 
 
@@ -145,5 +205,6 @@ def distance(one, other):
     return sum((a - b) ** 2 for a, b in zip(one, other, strict=True)) ** 0.5
 
 
-__all__ = ["Clip", "Meeting", "GIVER", "RECEIVER", "RELIABLE", "SENSOR", "DEEP", "DEEP_RELIABLE",
-           "LATCHED", "best_of_two", "distance", "nanoseconds", "place_of", "skeleton", "transform"]
+__all__ = ["Clip", "Meeting", "GIVER", "RECEIVER", "DEEP", "DEEP_RELIABLE", "LATCHED",
+           "best_of_two", "distance", "hold_of_the_unseen", "median_step", "nanoseconds", "place_of",
+           "skeleton", "statuses", "transform"]

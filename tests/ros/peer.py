@@ -18,15 +18,16 @@ from rclpy.subscription import Subscription
 
 from processes import wait_for
 
-# As the node's inputs, targets and state are.
+# As the node's inputs, and its targets.
 SENSOR = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 RELIABLE = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
-LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE,
-                     durability=DurabilityPolicy.TRANSIENT_LOCAL)
 # To hear all that was said, however late this process is: such a listener goes with any publisher,
-# the second with reliable ones.
+# the second with reliable ones, the third with those that keep what they said for whoever comes
+# later.
 DEEP = QoSProfile(depth=2000, reliability=ReliabilityPolicy.BEST_EFFORT)
 DEEP_RELIABLE = QoSProfile(depth=2000, reliability=ReliabilityPolicy.RELIABLE)
+LATCHED = QoSProfile(depth=2000, reliability=ReliabilityPolicy.RELIABLE,
+                     durability=DurabilityPolicy.TRANSIENT_LOCAL)
 
 TRANSITIONS = {
     "configure": Transition.TRANSITION_CONFIGURE,

@@ -1,7 +1,9 @@
 """The handover node's life and parameters, as launch files and `ros2 param` lead them."""
 
+import errno
 import math
-import time
+import os
+import signal
 
 import pytest
 from lifecycle_msgs.msg import TransitionEvent
@@ -13,7 +15,7 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from conftest import ROOT
-from handover import GIVER, LATCHED, RECEIVER, Meeting, distance, place_of, skeleton
+from handover import GIVER, LATCHED, RECEIVER, Meeting, distance, nanoseconds, place_of
 from processes import wait_for
 
 NODE = "/handover"
@@ -26,39 +28,77 @@ def waiting(handover):
 
 
 def test_the_whole_life(waiting, ros, clip):
-    events = ros.listen(TransitionEvent, f"{NODE}/transition_event", QoSProfile(depth=20))
+    events = ros.listen(TransitionEvent, f"{NODE}/transition_event", QoSProfile(depth=100))
     meeting = Meeting(ros, clip)
     assert ros.state(NODE) == "unconfigured"
     assert not ros.change_state(NODE, "activate"), "not before it is configured"
-    wait_for(lambda: ros.node.count_publishers(f"{NODE}/transition_event") > 0)
-    time.sleep(0.3)
+
+    def is_heard():
+        """an event: whoever listens has to be found first"""
+        assert ros.change_state(NODE, "configure") and ros.change_state(NODE, "cleanup")
+        return events.count > 0
+    wait_for(is_heard, 30)
+    begun = nanoseconds(ros.now())
     assert ros.change_state(NODE, "configure")
     assert ros.state(NODE) == "inactive"
     meeting.play(end=10)
-    assert meeting.targets.count == 0, "an inactive node says nothing"
     assert not ros.call(Trigger, f"{NODE}/cancel").success
+    activated = nanoseconds(ros.now())
     assert ros.change_state(NODE, "activate")
     assert ros.state(NODE) == "active"
-    meeting.play(end=30)
-    assert meeting.targets.count > 0
+    meeting.begin()
     assert ros.change_state(NODE, "deactivate")
+    # What has an older stamp was on its way when the service answered.
+    deactivated = nanoseconds(ros.now())
     late = ros.listen(String, f"{NODE}/handover_state", LATCHED)
     assert late.wait()[-1].data == "idle", "whoever asks later is not told what was"
-    # What was on its way when the service answered.
-    time.sleep(0.02)
-    meeting.targets.clear()
     meeting.play(start=30, end=40)
-    assert meeting.targets.count == 0
+    again = nanoseconds(ros.now())
     assert ros.change_state(NODE, "activate"), "as often as one likes"
-    meeting.play(end=20)
-    assert meeting.targets.count > 0
+    meeting.begin()
+    # Targets come in order: after one of now nothing older comes.
+    assert not meeting.said(0, activated) and not meeting.said(deactivated, again), (
+        "an inactive node says nothing")
     assert ros.change_state(NODE, "deactivate") and ros.change_state(NODE, "cleanup")
     assert ros.state(NODE) == "unconfigured"
     expected = ["configuring", "inactive", "activating", "active", "deactivating", "inactive",
                 "activating", "active", "deactivating", "inactive", "cleaningup", "unconfigured"]
-    assert [event.goal_state.label for event in events.wait(len(expected))] == expected
+
+    def told():
+        """all steps of its life"""
+        return [event.goal_state.label for event in events.messages if event.timestamp > begun]
+    wait_for(lambda: len(told()) >= len(expected), what=told.__doc__)
+    assert told() == expected
     assert ros.change_state(NODE, "unconfigured_shutdown")
     assert waiting.wait() == 0
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_it_clean(handover, ros, clip, number):
+    process = handover()
+    Meeting(ros, clip).begin()
+    process.stop(number)
+    assert process.ended() == (0,)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_it_clean_while_it_configures(programs, work, number):
+    # Of a model that never comes to an end the reader waits.
+    endless = work / "endless"
+    os.mkfifo(endless)
+    process = programs.start("handover_node", parameters={
+        "node.model": str(endless), "node.autostart": True})
+
+    def is_read():
+        """the model is being read"""
+        try:
+            return os.fdopen(os.open(endless, os.O_WRONLY | os.O_NONBLOCK), "wb")
+        except OSError as error:
+            assert error.errno == errno.ENXIO, error
+            return None
+    with wait_for(is_read, process=process):
+        process.stop(number)
+    assert process.ended() == (0,)
 
 
 def test_what_is_set_wins_over_the_model_even_if_it_was_so_before(
@@ -84,24 +124,25 @@ def test_a_robot_that_says_nothing_goes_on_from_where_it_stands(handover, ros, c
     yaw = math.atan2(there[1] - base[1], there[0] - base[0])
     handover({"node.robot_state": "demonstrated", "node.world_from_base": [*base, 0.0, 0.0, yaw]})
     meeting = Meeting(ros, clip)
-    first = place_of(meeting.targets.wait()[0], "right_hand")
-    for frame in range(clip.closest()):
-        meeting.partner.publish(skeleton(clip.people[frame][RECEIVER], ros.now()))
-        time.sleep(1 / 30)
+
+    def first_after(since):
+        said = wait_for(lambda: meeting.said(since), what="a target")
+        return place_of(said[0], "right_hand")
+    first = first_after(0)
+    meeting.begin()
+    meeting.play(end=clip.closest())
     assert ros.change_state(NODE, "deactivate")
-    time.sleep(0.1)
-    last = meeting.targets.last
-    stands = place_of(last, "right_hand", -1)
-    meeting.targets.clear()
+    deactivated = nanoseconds(ros.now())
     assert ros.change_state(NODE, "activate")
-    begins = place_of(meeting.targets.wait()[0], "right_hand")
+    begins = first_after(deactivated)
+    stands = place_of(meeting.said(0, deactivated)[-1], "right_hand", -1)
     assert distance(first, stands) > 0.05, "it had moved"
     assert distance(begins, stands) < 1e-6
     # Cleaned up, it is another robot.
     assert ros.change_state(NODE, "deactivate") and ros.change_state(NODE, "cleanup")
-    meeting.targets.clear()
+    cleaned_up = nanoseconds(ros.now())
     assert ros.change_state(NODE, "configure") and ros.change_state(NODE, "activate")
-    assert distance(place_of(meeting.targets.wait()[0], "right_hand"), first) < 1e-6
+    assert distance(first_after(cleaned_up), first) < 1e-6
 
 
 def test_states_and_transitions_are_those_of_lifecycle_nodes(waiting, ros):

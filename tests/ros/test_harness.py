@@ -24,9 +24,11 @@ def answer(request, response):
     return response
 node.create_service(Trigger, "~/reset", answer)
 node.declare_parameter("volume", 1.0)
-print("talks", file=sys.stderr, flush=True)
-try:
+def talk():
+    print("talks", file=sys.stderr, flush=True)
     rclpy.spin(node)
+try:
+    talk()
 except (KeyboardInterrupt, ExternalShutdownException):
     pass
 node.destroy_node()
@@ -83,16 +85,17 @@ def test_what_ignores_an_interrupt_fails(script, scripts):
 
 
 def test_what_ends_with_a_code_or_a_child_fails(script, scripts):
-    script("crashes", "import sys, time\nprint('up', file=sys.stderr, flush=True)\n"
-                      "try:\n    time.sleep(60)\nexcept KeyboardInterrupt:\n    sys.exit(3)\n")
+    # Whoever hears that it is up may interrupt it at once.
+    script("crashes", "import sys, time\ntry:\n    print('up', file=sys.stderr, flush=True)\n"
+                      "    time.sleep(60)\nexcept KeyboardInterrupt:\n    sys.exit(3)\n")
     process = scripts.start("crashes")
     process.says("up")
     with pytest.raises(AssertionError, match="ended with 3"):
         process.stop()
     script("leaves", "import subprocess, sys, time\n"
                      "subprocess.Popen(['sh', '-c', 'trap : INT; sleep 60; sleep 60'])\n"
-                     "time.sleep(0.2)\nprint('up', file=sys.stderr, flush=True)\n"
-                     "try:\n    time.sleep(60)\nexcept KeyboardInterrupt:\n    pass\n")
+                     "try:\n    time.sleep(0.2)\n    print('up', file=sys.stderr, flush=True)\n"
+                     "    time.sleep(60)\nexcept KeyboardInterrupt:\n    pass\n")
     process = scripts.start("leaves")
     process.says("up")
     with pytest.raises(AssertionError, match="left a process behind"):
@@ -101,9 +104,9 @@ def test_what_ends_with_a_code_or_a_child_fails(script, scripts):
 
 def test_shared_memory_that_is_left_fails(script, scripts):
     # Who ends without a word to the middleware leaves its files.
-    script("drops", TALKER.replace("rclpy.spin(node)", """
+    script("drops", TALKER.replace("    talk()", """
     try:
-        rclpy.spin(node)
+        talk()
     except (KeyboardInterrupt, ExternalShutdownException):
         import os
         os._exit(0)
