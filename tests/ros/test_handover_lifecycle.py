@@ -6,8 +6,9 @@ import os
 import signal
 
 import pytest
-from lifecycle_msgs.msg import TransitionEvent
-from lifecycle_msgs.srv import GetAvailableStates, GetAvailableTransitions
+from diagnostic_msgs.msg import DiagnosticArray
+from lifecycle_msgs.msg import Transition, TransitionEvent
+from lifecycle_msgs.srv import ChangeState, GetAvailableStates, GetAvailableTransitions
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from rcl_interfaces.srv import DescribeParameters, ListParameters, SetParametersAtomically
 from rclpy.qos import QoSProfile
@@ -15,7 +16,8 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from conftest import ROOT
-from handover import GIVER, LATCHED, RECEIVER, Meeting, distance, nanoseconds, place_of
+from handover import (DEEP_RELIABLE, GIVER, LATCHED, RECEIVER, Meeting, distance, median_step,
+                      nanoseconds, place_of)
 from processes import wait_for
 
 NODE = "/handover"
@@ -117,7 +119,8 @@ def test_what_is_set_wins_over_the_model_even_if_it_was_so_before(
     assert ros.get_parameters(NODE, "safety.speed") == [1.7]
 
 
-def test_a_robot_that_says_nothing_goes_on_from_where_it_stands(handover, ros, clip):
+@pytest.mark.parametrize("lives", [1, 3])
+def test_a_robot_that_says_nothing_goes_on_from_where_it_stands(handover, ros, clip, lives):
     base = clip.people[0][GIVER]["torso"]
     # The recorded giver looks at the receiver.
     there = clip.people[0][RECEIVER]["torso"]
@@ -133,6 +136,9 @@ def test_a_robot_that_says_nothing_goes_on_from_where_it_stands(handover, ros, c
     meeting.play(end=clip.closest())
     assert ros.change_state(NODE, "deactivate")
     deactivated = nanoseconds(ros.now())
+    for _ in range(lives - 1):
+        # Over before the robot stands, and so before a tick.
+        assert ros.change_state(NODE, "activate") and ros.change_state(NODE, "deactivate")
     assert ros.change_state(NODE, "activate")
     begins = first_after(deactivated)
     stands = place_of(meeting.said(0, deactivated)[-1], "right_hand", -1)
@@ -143,6 +149,43 @@ def test_a_robot_that_says_nothing_goes_on_from_where_it_stands(handover, ros, c
     cleaned_up = nanoseconds(ros.now())
     assert ros.change_state(NODE, "configure") and ros.change_state(NODE, "activate")
     assert distance(first_after(cleaned_up), first) < 1e-6
+
+
+def test_a_robot_that_reports_is_waited_for_until_it_stands(handover, ros, clip):
+    handover()
+    meeting = Meeting(ros, clip)
+    meeting.begin()
+    meeting.play(end=clip.closest())
+    assert ros.change_state(NODE, "deactivate")
+    deactivated = nanoseconds(ros.now())
+    last = meeting.said(0, deactivated)[-1]
+    stands = nanoseconds(last.header.stamp) + nanoseconds(last.points[-1].time_from_start)
+    assert stands > deactivated + 50_000_000, "it still brakes"
+    assert ros.change_state(NODE, "activate")
+
+    def goes_on():
+        """a target"""
+        meeting.show(clip.closest())
+        return meeting.said(deactivated)
+    assert nanoseconds(wait_for(goes_on)[0].header.stamp) >= stands
+
+
+def test_what_is_set_while_it_configures_counts(waiting, ros):
+    statuses = ros.listen(DiagnosticArray, "/diagnostics", DEEP_RELIABLE)
+    change = ros.node.create_client(ChangeState, f"{NODE}/change_state")
+    wait_for(change.service_is_ready, what="the service")
+    request = ChangeState.Request()
+    request.transition.id = Transition.TRANSITION_CONFIGURE
+    configured = change.call_async(request)
+    # Nobody hears its events, so that it takes a second.
+    wait_for(lambda: ros.state(NODE) == "configuring", what="configuring")
+    rate = {"node.diagnostics_rate": (True, "")}
+    assert ros.set_parameters(NODE, node__diagnostics_rate=50.0) == rate
+    assert ros.state(NODE) == "configuring"
+    wait_for(configured.done, what="the end of it")
+    assert configured.result().success and ros.change_state(NODE, "activate")
+    statuses.wait(40)
+    assert median_step(statuses.messages) < 0.03
 
 
 def test_states_and_transitions_are_those_of_lifecycle_nodes(waiting, ros):
