@@ -76,6 +76,8 @@ def start(context):
     if given("role"):
         chosen["role"] = typed("role", given("role"), str)
     if given("source") in SOURCES:
+        # There alone: whoever is waited for listens there.
+        chosen["skeleton"] = given("source") == "skeleton"
         chosen[given("source")] = True
     files = [given("simulator_params_file")] if given("simulator_params_file") else []
     simulator = Node(

@@ -83,7 +83,13 @@ impl FrameTree {
                 moving.known.clear();
             }
             moving.heard = Some(now);
-            moving.insert(if stamp == Stamp(0) { now } else { stamp }, edge);
+            let stamp = if stamp == Stamp(0) { now } else { stamp };
+            if moving.known.back().is_some_and(|(last, _)| stamp < *last && !is_fresh(*last, stamp))
+            {
+                // What was known was of another clock.
+                moving.known.clear();
+            }
+            moving.insert(stamp, edge);
             let newest = moving.known.back().map_or(now, |(stamp, _)| *stamp);
             while let Some((oldest, _)) = moving.known.front()
                 && (moving.known.len() > Self::REMEMBERED
@@ -94,12 +100,20 @@ impl FrameTree {
         }
     }
 
-    /// Takes in edges that move, all that there ever were: they are remembered for ever.
+    /// Takes in edges that move, all that there ever were: they are remembered for ever. Nothing may
+    /// be asked before [`Self::sort`] is called.
     pub fn record(&mut self, tree: &TransformTree) {
         for (child, stamp, edge) in edges(tree) {
             if let Some(moving) = self.moving(child, stamp) {
-                moving.insert(stamp, edge);
+                moving.push(stamp, edge);
             }
+        }
+    }
+
+    /// Puts what was [recorded](Self::record) in the order of its stamps.
+    pub fn sort(&mut self) {
+        for moving in self.moving.values_mut() {
+            moving.known.make_contiguous().sort_by_key(|(stamp, _)| *stamp);
         }
     }
 
@@ -165,29 +179,35 @@ impl Moving {
         self.heard.is_none_or(|heard| is_fresh(heard, now))
     }
 
-    fn insert(&mut self, stamp: Stamp, mut edge: Edge) {
-        let at = self.known.partition_point(|(known, _)| *known <= stamp);
+    /// Adds the newest.
+    fn push(&mut self, stamp: Stamp, mut edge: Edge) {
         // The parent is mostly the same: a recording has very many edges.
-        let same = at.checked_sub(1).map(|before| &self.known[before].1.parent);
-        if let Some(same) = same.filter(|same| **same == edge.parent) {
+        let last = self.known.back().map(|(_, edge)| &edge.parent);
+        if let Some(same) = last.filter(|last| **last == edge.parent) {
             edge.parent = same.clone();
         }
-        self.known.insert(at, (stamp, edge));
+        self.known.push_back((stamp, edge));
     }
 
+    /// Adds one that may be older than others.
+    fn insert(&mut self, stamp: Stamp, edge: Edge) {
+        self.push(stamp, edge);
+        let mut at = self.known.len() - 1;
+        while at > 0 && self.known[at - 1].0 > stamp {
+            self.known.swap(at - 1, at);
+            at -= 1;
+        }
+    }
+
+    /// The parent, and how the child lay to it; none where nothing near in time is known.
     fn at(&self, at: Stamp) -> Option<(&str, Isometry)> {
         let after = self.known.partition_point(|(stamp, _)| *stamp <= at);
-        let next = self.known.get(after);
-        let (then, edge) = self.known.get(after.saturating_sub(1)).or(next)?;
+        let known = |index: usize| self.known.get(index).filter(|(then, _)| is_fresh(*then, at));
+        let before = after.checked_sub(1).and_then(known);
+        let (then, edge) = before.or_else(|| known(after))?;
         let here = edge.parent_from_child;
-        let near = |stamp: Stamp| is_fresh(stamp, at);
-        // Who is asked about a moment long before or after all that is known, knows nothing.
-        if !near(*then) {
-            return None;
-        }
-        let there =
-            next.filter(|(later, next)| at > *then && near(*later) && next.parent == edge.parent);
-        let between = there.and_then(|(later, next)| {
+        let next = known(after).filter(|(later, next)| later > then && next.parent == edge.parent);
+        let between = next.and_then(|(later, next)| {
             let part = (at - *then).seconds() / (*later - *then).seconds();
             here.try_lerp_slerp(&next.parent_from_child, part, 1e-6)
         });
@@ -280,6 +300,7 @@ mod tests {
             edge.header.stamp = crate::messages::Time::of(at(k));
             tree.record(&TransformTree { transforms: vec![edge] });
         }
+        tree.sort();
         let known = |now: Stamp| tree.between("world", "head", [now; 2]);
         let near = |a: Isometry, b: Isometry| {
             (a.inverse() * b).translation.vector.norm() < 1e-12
@@ -325,6 +346,18 @@ mod tests {
             tree.between("world", "head", [Stamp(last), now + crate::Span(1_000_000_001)])
                 .is_none()
         );
+        // Nor does what was said by the old clock and comes only now.
+        let old = Moving::default();
+        back.moving.insert("head".to_owned(), old);
+        for k in 0..20 {
+            let stamp = if k == 3 { 60_000_000_000 } else { 2_000_000_000 + k * 20_000_000 };
+            let mut edge = edge("world", "head", &place(stamp));
+            edge.header.stamp = crate::messages::Time::of(Stamp(stamp));
+            let heard = Stamp(2_000_000_000 + k * 20_000_000);
+            back.take(&TransformTree { transforms: vec![edge] }, heard);
+            let head = back.between("world", "head", [heard; 2]);
+            assert_eq!(head.is_some(), k != 3, "{k}");
+        }
         // Ever new children do not use up the room.
         for k in 0..3 * FrameTree::MOST as i64 {
             let new =

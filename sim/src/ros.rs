@@ -1,8 +1,8 @@
 //! A [`Player`] on topics, its settings as the node's parameters; the simulator's one place that
 //! knows `r2r`.
 
-use std::fs::File;
-use std::io::ErrorKind;
+use std::fs::{self, File};
+use std::io::{self, ErrorKind};
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::PoisonError;
@@ -157,12 +157,15 @@ impl Broadcast {
     }
 
     /// Begins once one of the partner's topics has as many listeners as there have to be. They are
-    /// not added up: somebody may listen to several, as the handover node does to `/tf`.
+    /// not added up: somebody may listen to several. `/tf`, to which everybody listens, counts only
+    /// where the partner is sent on no other.
     ///
     /// - `now`: of the steady clock; where they take long to come, the log says so now and then.
     fn await_listeners(&mut self, node: &Node, now: Stamp) {
         let wanted = self.player.settings().listeners;
         let partner = self.publishers.iter().filter(|(topic, _)| Topic::PARTNER.contains(topic));
+        let is_only_there = !partner.clone().any(|(topic, _)| *topic != Topic::Transforms);
+        let partner = partner.filter(|(topic, _)| is_only_there || *topic != Topic::Transforms);
         let there: Vec<(Topic, usize)> = partner
             .map(|(topic, publisher)| {
                 (*topic, publisher.get_inter_process_subscription_count().unwrap_or_default())
@@ -249,7 +252,7 @@ fn read(path: &Path, up: UpAxis) -> Result<Recording> {
             opened => formats::bytes(opened.with_context(at)?).with_context(at)?,
         };
         let metadata = String::from_utf8_lossy(&metadata).into_owned();
-        Files::of_folder(metadata, |name| File::open(path.join(name))).with_context(at)?
+        Files::of_folder(metadata, |name| open_plain(&path.join(name))).with_context(at)?
     } else {
         let bytes = formats::bytes(File::open(path).with_context(at)?).with_context(at)?;
         let format = formats::detect(&bytes).map_err(|error| anyhow!("{}: {error}", at()))?;
@@ -266,6 +269,11 @@ fn read(path: &Path, up: UpAxis) -> Result<Recording> {
         r2r::log_info!(NAME, "{}", line(format_args!("{}: {note}", at())));
     }
     Ok(read.recording)
+}
+
+/// Who opens a pipe waits for whoever writes into it.
+fn open_plain(path: &Path) -> io::Result<File> {
+    if fs::metadata(path)?.is_file() { File::open(path) } else { Err(ErrorKind::NotFound.into()) }
 }
 
 fn publishers(node: &mut Node, settings: &Settings) -> Result<Vec<(Topic, PublisherUntyped)>> {

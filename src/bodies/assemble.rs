@@ -51,7 +51,7 @@ struct Open {
     joints: BTreeMap<String, (String, Transform)>,
     /// The newest of frames with the body's number that are no joints: these may hang from them, as
     /// REP-155's do. A robot's `link_1` is called like that too, so they say nothing of when.
-    others: BTreeMap<String, (String, Transform)>,
+    others: BTreeMap<String, (Stamp, (String, Transform))>,
     /// How many joints the body before had.
     expected: Option<usize>,
     /// With how many joints it was handed out already.
@@ -74,13 +74,13 @@ impl TransformAssembler {
             }
             let open = self.open.entry(name.id).or_default();
             let place = (frame(&edge.header.frame_id), edge.transform);
+            let stamp = edge.header.stamp.stamp();
             if name.joint.is_none() {
                 if open.others.len() < MOST_FRAMES || open.others.contains_key(&child) {
-                    open.others.insert(child, place);
+                    open.others.insert(child, (stamp, place));
                 }
                 continue;
             }
-            let stamp = edge.header.stamp.stamp();
             let apart = (stamp - open.stamp).0.saturating_abs() > TOGETHER.0;
             if !open.joints.is_empty() && (apart || open.joints.contains_key(&child)) {
                 whole.extend(open.close(name.id));
@@ -124,7 +124,9 @@ impl Open {
     fn close(&mut self, id: u32) -> Option<Body> {
         let body = self.hand_out(id);
         let expected = Some(self.joints.len()).filter(|joints| *joints > 0).or(self.expected);
-        *self = Self { expected, others: std::mem::take(&mut self.others), ..Self::default() };
+        let mut others = std::mem::take(&mut self.others);
+        others.retain(|_, (stamp, _)| self.is_near(*stamp));
+        *self = Self { expected, others, ..Self::default() };
         body
     }
 
@@ -148,9 +150,18 @@ impl Open {
         Some(Body { stamp: self.stamp, frame, id: Some(id), joints })
     }
 
+    /// Whether what was said then still holds for this body; else the tree of frames may know more.
+    fn is_near(&self, stamp: Stamp) -> bool {
+        (self.stamp - stamp).0.saturating_abs() <= TOGETHER.0
+    }
+
     /// Where a frame is, in the first frame up its chain that is not the body's; `None` in a ring.
     fn place(&self, name: &str) -> Option<(&str, Point)> {
-        let edge = |name: &str| self.joints.get(name).or_else(|| self.others.get(name));
+        let other = |name: &str| {
+            let (stamp, edge) = self.others.get(name)?;
+            self.is_near(*stamp).then_some(edge)
+        };
+        let edge = |name: &str| self.joints.get(name).or_else(|| other(name));
         let (parent, transform) = edge(name)?;
         let mut above = parent.as_str();
         let mut place = Point::from(transform.translation);

@@ -42,11 +42,6 @@ impl LifecycleServer {
         self.life.state()
     }
 
-    /// Whether somebody hears how the steps go.
-    pub(super) fn is_heard(&self) -> bool {
-        self.events.get_inter_process_subscription_count().is_ok_and(|count| count > 0)
-    }
-
     /// Answers every question that has come in.
     pub(super) fn serve(&mut self) {
         while let Some(request) = self.state.next() {

@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context as _, Result, anyhow, bail};
 
 use super::lifecycle::Asker;
+use super::shell::now;
 use crate::config::given::Given;
 use crate::config::{Change, Config, NodeSettings};
 use crate::live::Live;
@@ -17,9 +18,6 @@ use crate::model::Model;
 use crate::online::OnlineModel;
 use crate::parameters::ParameterTable;
 use crate::predict::Predictor;
-
-/// After so long whoever wants to hear does, also on a busy machine.
-const LISTENING: Duration = Duration::from_secs(1);
 
 /// What configuring leaves.
 pub(super) struct Loaded {
@@ -36,6 +34,7 @@ pub(super) struct Loaded {
 /// A model on its way.
 pub(super) struct Loading {
     began: Instant,
+    least: Duration,
     thread: JoinHandle<Result<Loaded>>,
     /// Who wants to know; nobody if the node configures itself.
     pub(super) asker: Option<Asker>,
@@ -45,19 +44,18 @@ impl Loading {
     /// Sets out.
     ///
     /// - `table`: the parameters as they are.
-    pub(super) fn begin(given: Given, table: ParameterTable, asker: Option<Asker>) -> Self {
-        #[expect(clippy::disallowed_methods, reason = "a shell: peers need time to listen")]
-        let began = Instant::now();
-        Self { began, thread: thread::spawn(move || load(&given, &table)), asker }
+    /// - `least`: how long it takes at least.
+    pub(super) fn begin(
+        given: Given,
+        table: ParameterTable,
+        asker: Option<Asker>,
+        least: Duration,
+    ) -> Self {
+        Self { began: now(), least, thread: thread::spawn(move || load(&given, &table)), asker }
     }
 
-    /// Whether it has come to its end, and whoever asked can hear that: launch goes on by the event
-    /// of it, and can be heard before it hears.
-    ///
-    /// - `is_heard`: whether anybody hears events.
-    pub(super) fn is_done(&self, is_heard: bool) -> bool {
-        let may_end = self.asker.is_none() || is_heard || self.began.elapsed() > LISTENING;
-        self.thread.is_finished() && may_end
+    pub(super) fn is_done(&self) -> bool {
+        self.thread.is_finished() && self.began.elapsed() >= self.least
     }
 
     /// What has come of it, and who wants to know.

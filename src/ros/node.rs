@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use anyhow::{Result, bail};
 use r2r::Node;
@@ -12,7 +12,7 @@ use super::inbox::Inbox;
 use super::lifecycle::{Asker, LifecycleServer};
 use super::load::{Loaded, Loading};
 use super::parameters::{ParameterServer, ParameterServerError, started_with};
-use super::shell::{Stop, line};
+use super::shell::{Stop, line, now};
 use super::subscriptions::Subscriptions;
 use super::ticker::{Command, Publishers, Ticker, Ticking};
 use super::triggers::{Asked, Triggers};
@@ -27,6 +27,13 @@ const NAME: &str = "handover";
 
 /// How long the node waits for something to do: as long as it takes to notice that it is to end.
 const IDLE: Duration = Duration::from_millis(20);
+
+/// How long the last answer has to reach whoever shut the node down.
+const FAREWELL: Duration = Duration::from_millis(500);
+/// After so long everybody has found a node, also on a busy machine.
+const YOUTH: Duration = Duration::from_secs(5);
+/// And so much later than the node hears somebody, they hear it.
+const LISTENING: Duration = Duration::from_secs(1);
 
 /// Runs the node until a signal ends it, or somebody shuts it down.
 ///
@@ -49,6 +56,7 @@ pub fn run() -> ExitCode {
 
 /// The node's parts; the graph's node itself is the caller's, and outlives them.
 struct Handover {
+    began: Instant,
     logger: String,
     parameters: ParameterServer,
     /// What was given at the start or set since: all else is the model's.
@@ -85,6 +93,7 @@ impl Handover {
         };
         let ticker = Ticker::new(ticking)?;
         let mut handover = Self {
+            began: now(),
             lifecycle: LifecycleServer::new(node, parameters.clock(), parameters.answers())?,
             triggers: Triggers::new(node, parameters.answers())?,
             loading: None,
@@ -106,10 +115,7 @@ impl Handover {
     }
 
     fn spin(&mut self, node: &mut Node, stop: &Stop) -> Result<()> {
-        let is_done = |node: &Self| {
-            node.lifecycle.state() == State::Finalized && !node.parameters.is_answering()
-        };
-        while !stop.is_set() && !is_done(self) {
+        while !stop.is_set() && self.lifecycle.state() != State::Finalized {
             node.spin_once(IDLE);
             if self.ticker.is_dead() {
                 bail!("the ticking thread has ended by a bug: see above");
@@ -121,6 +127,12 @@ impl Handover {
             }
             self.serve(node);
         }
+        // Whoever asked for the end is to hear that it comes, before the node is gone.
+        let end = now() + FAREWELL;
+        while !stop.is_set() && (now() < end || self.parameters.answers().are_waiting()) {
+            node.spin_once(IDLE);
+            self.parameters.answers().tell();
+        }
         Ok(())
     }
 
@@ -131,9 +143,7 @@ impl Handover {
         while let Some((asker, step)) = self.lifecycle.asked() {
             self.begin(step, Some(asker));
         }
-        let is_heard = self.lifecycle.is_heard();
-        let is_done = |loading: &mut Loading| loading.is_done(is_heard);
-        if let Some(loading) = self.loading.take_if(is_done) {
+        if let Some(loading) = self.loading.take_if(|loading| loading.is_done()) {
             let (loaded, asker) = loading.end();
             let outcome = loaded.and_then(|loaded| self.configured(node, loaded));
             let is_configured = outcome.is_ok();
@@ -186,7 +196,10 @@ impl Handover {
         let outcome = match step {
             Step::Configure => {
                 let (given, table) = (self.given.clone(), self.parameters.table().clone());
-                self.loading = Some(Loading::begin(given, table, asker));
+                // Launch goes on by the event of it, and can be heard before it hears.
+                let is_young = asker.is_some() && self.began.elapsed() < YOUTH;
+                let least = if is_young { LISTENING } else { Duration::ZERO };
+                self.loading = Some(Loading::begin(given, table, asker, least));
                 return;
             }
             Step::Activate => self.activate(),

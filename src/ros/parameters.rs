@@ -100,11 +100,6 @@ impl ParameterServer {
         &self.answers
     }
 
-    /// Whether somebody is still to be told an answer: [`Self::serve`] does.
-    pub fn is_answering(&self) -> bool {
-        self.answers.are_waiting()
-    }
-
     /// What time it is to the node.
     pub fn clock(&self) -> RosClock {
         self.time.clock()

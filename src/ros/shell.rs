@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI64, Ordering};
-use std::time::{SystemTime, UNIX_EPOCH};
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 use anyhow::{Context as _, Result};
 use futures::{FutureExt as _, Stream, StreamExt as _};
@@ -38,6 +38,12 @@ impl Stop {
     pub fn is_set(&self) -> bool {
         self.0.load(Ordering::Acquire)
     }
+}
+
+/// The moment, for what waits and for how long something took: not for stamps.
+pub(super) fn now() -> Instant {
+    #[expect(clippy::disallowed_methods, reason = "a shell: peers and people need time")]
+    Instant::now()
 }
 
 /// A line for the log that holds words of strangers: with a NUL in it there would be no log.

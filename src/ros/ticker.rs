@@ -9,7 +9,7 @@ use anyhow::{Context as _, Result};
 use r2r::{Node, QosProfile};
 
 use super::inbox::Inbox;
-use super::shell::{Publisher, RosClock};
+use super::shell::{Publisher, RosClock, now as instant};
 use crate::config::NodeSettings;
 use crate::geometry::Point;
 use crate::live::{HandoverState, Inputs, Live, News, Outputs};
@@ -148,28 +148,33 @@ pub(super) struct Ticking {
 impl Ticking {
     fn run(self, receiver: &Receiver<Command>) {
         let (mut running, mut inputs): (Option<Running>, _) = (None, Inputs::default());
-        // Where the robot was told to stand, and from when on.
-        let mut standstill: Option<(Vec<Point>, Stamp)> = None;
+        let mut standstill: Option<Standstill> = None;
         let (mut waits, mut is_warned) = (None, false);
         loop {
             while let Ok(command) = receiver.try_recv() {
                 match (command, running.as_mut()) {
                     (Command::Start(mut live, period), _) => {
                         // Kept: it may be stopped again before it has ticked.
-                        if let Some((pose, _)) = &standstill {
-                            live.begin_at(pose);
+                        if let Some(standstill) = &standstill {
+                            live.begin_at(&standstill.pose);
                         }
-                        let from = standstill.as_ref().map(|(_, from)| *from);
-                        running = Some(Running::new(live, period, from));
+                        let brakes = standstill.as_ref().map(|standstill| standstill.brakes);
+                        running = Some(Running::new(live, period, brakes));
                     }
                     (Command::Stop(stopped), _) => {
                         let stand = running.take().and_then(|running| running.live.standstill());
+                        let now = self.clock.now();
+                        let stand =
+                            stand.map(|(pose, from)| Standstill { pose, brakes: [now, from] });
                         standstill = stand.or(standstill);
                         self.rest();
                         // Whoever asked may have given up.
                         let _ = stopped.send(());
                     }
-                    (Command::Forget, _) => standstill = None,
+                    // Another robot stands elsewhere, and this one may still brake.
+                    (Command::Forget, _) => {
+                        standstill.iter_mut().for_each(|standstill| standstill.pose.clear());
+                    }
                     (Command::End, _) => return self.rest(),
                     (_, None) => {}
                     (Command::Cancel, Some(running)) => running.live.cancel(),
@@ -186,8 +191,7 @@ impl Ticking {
             };
             if self.is_simulated && now == Stamp(0) {
                 // Nobody has said what time it is.
-                #[expect(clippy::disallowed_methods, reason = "a shell: people read this")]
-                let waits = *waits.get_or_insert_with(Instant::now);
+                let waits = *waits.get_or_insert_with(instant);
                 if !is_warned && waits.elapsed() > Duration::from_secs(5) {
                     r2r::log_warn!(&self.logger, "use_sim_time is set, but /clock says nothing");
                     is_warned = true;
@@ -219,8 +223,7 @@ impl Ticking {
     const APART: Duration = Duration::from_secs(1);
 
     fn tick(&self, running: &mut Running, inputs: &Inputs, now: Stamp) {
-        #[expect(clippy::disallowed_methods, reason = "a shell: how long a tick takes is told")]
-        let begun = Instant::now();
+        let begun = instant();
         let mut outputs = running.live.tick(now, inputs, running.took);
         running.took = Some(begun.elapsed().as_nanos() as f64 / 1000.0);
         for status in outputs.diagnostics.iter_mut().flat_map(|array| &mut array.status) {
@@ -236,8 +239,7 @@ impl Ticking {
         let is_due = running.told.is_none_or(|told| told.elapsed() > Self::APART)
             || running.reason != Some(outputs.reason);
         if let Some(News { is_warning, text }) = running.news.take_if(|_| is_due) {
-            #[expect(clippy::disallowed_methods, reason = "a shell: people read this")]
-            let told = Instant::now();
+            let told = instant();
             (running.told, running.reason) = (Some(told), Some(outputs.reason));
             if is_warning {
                 r2r::log_warn!(&self.logger, "{text}");
@@ -249,12 +251,20 @@ impl Ticking {
     }
 }
 
+/// How a robot was left.
+struct Standstill {
+    /// Where it was told to stand; empty if that counts no more.
+    pose: Vec<Point>,
+    /// When it was left, and from when on it stands.
+    brakes: [Stamp; 2],
+}
+
 /// What ticks.
 struct Running {
     live: Box<Live>,
     period: Span,
-    /// Not before this: the robot still brakes.
-    from: Option<Stamp>,
+    /// Between these the robot still brakes: no tick then.
+    brakes: Option<[Stamp; 2]>,
     /// When the last tick was, and when the next is due.
     last: Option<(Stamp, Stamp)>,
     took: Option<f64>,
@@ -266,16 +276,16 @@ struct Running {
 }
 
 impl Running {
-    fn new(live: Box<Live>, period: Span, from: Option<Stamp>) -> Self {
-        Self { live, period, from, last: None, took: None, news: None, told: None, reason: None }
+    fn new(live: Box<Live>, period: Span, brakes: Option<[Stamp; 2]>) -> Self {
+        Self { live, period, brakes, last: None, took: None, news: None, told: None, reason: None }
     }
 
     /// How long until the next tick: a period after the last; if somebody is seen, a quarter of it.
     fn wait(&self, now: Stamp, is_seen: bool) -> Span {
         let Some((last, due)) = self.last else {
-            // A clock that was set makes nobody wait for long.
-            let brakes = self.from.map_or(Span(0), |from| from - now);
-            return if brakes.seconds() > 5.0 { Span(0) } else { brakes };
+            // A clock that was set back since then makes nobody wait.
+            let brakes = self.brakes.filter(|[left, _]| *left <= now);
+            return brakes.map_or(Span(0), |[_, stands]| stands - now);
         };
         if now < last {
             // The clock was set back: the tick knows what to do.

@@ -14,8 +14,10 @@ from processes import Programs, wait_for
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 TARGET = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")).resolve()
 
-pytestmark = pytest.mark.skipif(
-    os.environ.get("HANDOVER_COLCON") != "1", reason="colcon build: HANDOVER_COLCON=1 runs it")
+pytestmark = [
+    pytest.mark.skipif(os.environ.get("HANDOVER_COLCON") != "1",
+                       reason="colcon build: HANDOVER_COLCON=1 runs it"),
+    pytest.mark.xdist_group("colcon")]
 
 
 def command(*words, folder, environment=None, seconds=1500):

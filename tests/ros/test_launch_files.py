@@ -272,6 +272,7 @@ def test_the_simulator_sends_where_the_node_looks(execute, stubs, source):
     _, simulator = simulator_of(executed)
     stubs.run([simulator], stubs.LaunchContext())
     assert simulator.values[source] is True
+    assert simulator.values["skeleton"] is (source == "skeleton")
     assert simulator.values["tf"] is (source == "tf")
 
 

@@ -411,6 +411,17 @@ def test_listeners_of_any_of_the_partners_topics_count(simulator, ros):
     heard.wait(3)
 
 
+def test_whoever_listens_to_all_transforms_does_not_count(simulator, ros):
+    messages = pytest.importorskip("tf2_msgs.msg")
+    ros.listen(messages.TFMessage, "/tf", RELIABLE)
+    simulator(listeners=1, tf=True, start_delay=0.0)
+    wait_for(lambda: ros.node.count_publishers("/tf"), 10.0, "its topics")
+    time.sleep(0.5)
+    heard = ros.listen(messages.TFMessage, "/tf", RELIABLE)
+    assert heard.count == 0
+    ros.listen(MultiDOFJointState, "skeleton", DEEP).wait(3)
+
+
 def test_who_is_waited_for_is_said(simulator, ros):
     heard = ros.listen(MultiDOFJointState, "skeleton", DEEP)
     ros.listen(MarkerArray, "skeleton_markers", DEEP_RELIABLE)

@@ -83,5 +83,5 @@ def test_whoever_looks_elsewhere_is_waited_for_too(handover, simulator, ros, sou
         pytest.importorskip("tf2_msgs.msg")
     handover({"node.source": source})
     states = ros.listen(String, "/handover/handover_state", LATCHED)
-    simulator(listeners=1, **{source: True})
+    simulator(listeners=1, skeleton=False, **{source: True})
     wait_for(lambda: states.last is not None and states.last.data == "approach", 20, "approach")

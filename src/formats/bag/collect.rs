@@ -193,6 +193,7 @@ impl Collected {
 
     /// No message follows: what was not whole is now.
     pub(super) fn finish(&mut self) {
+        self.frames.sort();
         for (topic, mut assembler) in std::mem::take(&mut self.assemblers) {
             let known = self.topic(&topic, TransformTree::TYPE);
             let (order, number) = (known.order, known.messages);

@@ -21,6 +21,9 @@ pub enum FolderError {
         /// What is wrong.
         error: FileError,
     },
+    /// Together they are larger than [`LARGEST`].
+    #[error("its files together are larger than {} MiB", LARGEST >> 20)]
+    TooLarge,
 }
 
 /// The files of a bag, in memory.
@@ -36,7 +39,7 @@ impl Files {
     /// are not larger than [`LARGEST`].
     ///
     /// - `metadata`: the text of `metadata.yaml`.
-    /// - `open`: opens the file of a name in the folder.
+    /// - `open`: opens the file of a name in the folder; what is no plain file is not there.
     ///
     /// # Errors
     /// [`FolderError`].
@@ -53,6 +56,7 @@ impl Files {
             };
             let bytes = match bytes {
                 Ok(bytes) => bytes,
+                Err(FileError::TooLarge) if left < LARGEST => return Err(FolderError::TooLarge),
                 Err(error) => return Err(FolderError::File { name, error }),
             };
             left -= bytes.as_ref().map_or(0, Vec::len) as u64;

@@ -1,7 +1,7 @@
 //! Bags: folders with their metadata, and bare files.
 
-use std::fs::File;
-use std::io::Read as _;
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Read as _};
 use std::path::Path;
 
 use handover_mesh::formats::bag::{Files, FolderError, METADATA_FILE, Read};
@@ -28,10 +28,15 @@ fn metadata(folder: &Path) -> Option<String> {
 /// The files that the folder's metadata name.
 pub(super) fn open(folder: &Path) -> Result<Files, Vec<Fault>> {
     let text = metadata(folder).unwrap_or_default();
-    Files::of_folder(text, |name| File::open(folder.join(name))).map_err(|error| match error {
+    Files::of_folder(text, |name| open_plain(&folder.join(name))).map_err(|error| match error {
         FolderError::Metadata(error) => faults(&error),
-        error @ FolderError::File { .. } => vec![Fault::of_file(error.to_string())],
+        other => vec![Fault::of_file(other.to_string())],
     })
+}
+
+/// Who opens a pipe waits for whoever writes into it.
+fn open_plain(path: &Path) -> io::Result<File> {
+    if fs::metadata(path)?.is_file() { File::open(path) } else { Err(ErrorKind::NotFound.into()) }
 }
 
 /// A bare file.
