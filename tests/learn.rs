@@ -123,28 +123,34 @@ fn every_method_ends_nearer_than_it_starts_and_falls_at_every_step() {
     assert!(ends[2] <= ends[0] * (1.0 + 1e-9));
 }
 
+/// The gradient finds the hands, and few edges besides.
+fn check_gradient(transform: Transform, phases: usize, steps: usize, most: f64) {
+    let settings = LearnSettings { phases, steps, ..settings(LearnMethod::Gradient) };
+    let lessons = lessons(predict(transform), &settings);
+    let mut search = Search::new(lessons, settings).unwrap();
+    search.run().unwrap();
+    let edges = search.edges().unwrap();
+    assert_eq!(edges.phases(), phases);
+    let hand = edges.edges().iter().find(|learned| learned.edge == hands()).unwrap();
+    assert!(hand.factors.iter().any(|factor| *factor > 0.1), "{hand:?}");
+    assert!(edges.edges().len() < 60, "{}", edges.edges().len());
+    let trained = search.lessons().distance().unwrap();
+    assert!(trained < most * search.initial(), "{trained}");
+}
+
 #[test]
-fn the_gradient_finds_the_hands_and_few_edges_besides() {
-    for (transform, phases) in
-        [(Transform::None, 1), (Transform::None, 3), (Transform::Implicit, 1)]
-    {
-        let settings = LearnSettings {
-            phases,
-            steps: if transform == Transform::None { 40 } else { 8 },
-            ..settings(LearnMethod::Gradient)
-        };
-        let lessons = lessons(predict(transform), &settings);
-        let mut search = Search::new(lessons, settings).unwrap();
-        search.run().unwrap();
-        let edges = search.edges().unwrap();
-        assert_eq!(edges.phases(), phases);
-        let hand = edges.edges().iter().find(|learned| learned.edge == hands()).unwrap();
-        assert!(hand.factors.iter().any(|factor| *factor > 0.1), "{transform:?} {hand:?}");
-        assert!(edges.edges().len() < 60, "{transform:?} {phases}: {}", edges.edges().len());
-        let trained = search.lessons().distance().unwrap();
-        let most = if transform == Transform::None { 0.7 } else { 1.0 };
-        assert!(trained < most * search.initial(), "{transform:?} {phases}: {trained}");
-    }
+fn the_gradient_finds_the_hands() {
+    check_gradient(Transform::None, 1, 40, 0.7);
+}
+
+#[test]
+fn the_gradient_finds_the_hands_phase_by_phase() {
+    check_gradient(Transform::None, 3, 40, 0.7);
+}
+
+#[test]
+fn the_gradient_finds_the_hands_through_turning_neighbourhoods() {
+    check_gradient(Transform::Implicit, 1, 7, 1.0);
 }
 
 #[test]
