@@ -148,6 +148,29 @@ impl FrameTree {
         })
     }
 
+    /// The frame nearest to `frame` that does not move against the one that it and `other` hang from:
+    /// `frame` itself where nothing joins them. Whether an edge moves is by how it was told, whenever
+    /// that was.
+    pub fn still<'a>(&'a self, frame: &'a str, other: &'a str) -> &'a str {
+        let parent = |child: &&'a str| {
+            let moving = self.moving.get(*child).and_then(|moving| moving.known.back());
+            let edge = moving.map(|(_, edge)| edge).or_else(|| self.fixed.get(*child));
+            edge.map(|edge| &*edge.parent)
+        };
+        let above = |frame: &'a str| std::iter::successors(Some(bare(frame)), parent);
+        let (others, mut still): (Vec<&str>, _) =
+            (above(other).take(Self::DEEPEST).collect(), frame);
+        for child in above(frame).take(Self::DEEPEST) {
+            if others.contains(&child) {
+                return still;
+            }
+            if let (true, Some(parent)) = (self.moving.contains_key(child), parent(&child)) {
+                still = parent;
+            }
+        }
+        frame
+    }
+
     /// Whether a frame is another one or hangs from it; `when` as of [`Self::between`].
     pub fn is_below(&self, frame: &str, ancestor: &str, when: [Stamp; 2]) -> bool {
         self.above(bare(frame), when).any(|(name, _)| name == bare(ancestor))
@@ -287,6 +310,30 @@ mod tests {
         let later = Stamp(now.0 + 1_100_000_000);
         assert_eq!(tree.between("world", "depth", [later; 2]), None);
         assert!(tree.between("world", "camera", [later; 2]).is_some());
+    }
+
+    #[test]
+    fn what_stands_still_is_above_all_that_moves() {
+        let lens = yaw_isometry(0.2, Vector::x());
+        let mut tree = FrameTree::default();
+        let fixed = [("map", "world"), ("head", "camera"), ("odom", "wheel"), ("world", "wall")];
+        let transforms = fixed.map(|(parent, child)| edge(parent, child, &lens)).to_vec();
+        tree.fix(&TransformTree { transforms });
+        let moving = [("world", "odom"), ("odom", "base"), ("base", "head")];
+        let transforms = moving.map(|(parent, child)| edge(parent, child, &lens)).to_vec();
+        tree.record(&TransformTree { transforms });
+        tree.sort();
+        for (frame, other, still) in [
+            ("camera", "world", "world"),
+            ("world", "camera", "world"),
+            ("/wall", "camera", "/wall"),
+            ("camera", "wheel", "odom"),
+            ("camera", "base", "base"),
+            ("camera", "moon", "camera"),
+            ("camera", "camera", "camera"),
+        ] {
+            assert_eq!(tree.still(frame, other), still, "{frame} {other}");
+        }
     }
 
     #[test]

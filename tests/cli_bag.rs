@@ -188,7 +188,7 @@ fn a_damaged_bag_gives_what_is_whole_and_exit_code_3() {
     fs::remove_file(path(&folder, "bags/0.mcap")).unwrap();
     check(&folder, &["import", "clips/1.csv", "gone.bag"], 0, &[]);
     fs::remove_file(path(&folder, "gone.bag/gone_0.mcap")).unwrap();
-    check(&folder, &["check", "gone.bag"], 1, &["no bag: gone_0.mcap: it is not there"]);
+    check(&folder, &["check", "gone.bag"], 1, &["no bag: gone_0.mcap: there is no such file"]);
 }
 
 /// A minute of a clip, over and over.

@@ -179,7 +179,8 @@ impl Broadcast {
             let there =
                 there.iter().map(|(topic, count)| format!("{} ({count} there)", topic.name()));
             let there = there.collect::<Vec<_>>().join(" or ");
-            r2r::log_info!(node.logger(), "waits for {wanted} listeners of {there}");
+            let hint = "(hint: whoever looks elsewhere needs skeleton:=false, tf or markers)";
+            r2r::log_info!(node.logger(), "waits for {wanted} listeners of {there} {hint}");
         }
     }
 

@@ -126,6 +126,9 @@ impl Given {
         if node.sensor_frame.is_empty() && node.world_from_sensor != Isometry::identity() {
             refuse("node.world_from_sensor", "is of node.sensor_frame, which is not set");
         }
+        if !node.sensor_frame.is_empty() && node.sensor_frame == node.world_frame {
+            refuse("node.sensor_frame", "is node.world_frame: a sensor's frame lies in the world");
+        }
         // A file may hold all defaults.
         let default = NodeSettings::default();
         if node.robot_state == RobotState::Reported {
@@ -271,6 +274,9 @@ mod tests {
         let error = given.node(&shown).unwrap_err().to_string();
         assert!(error.contains("node.partner means nothing"), "{error}");
         assert!(error.contains("node.sensor_frame, which is not set"), "{error}");
+        let (shown, given) = table(&[("node.sensor_frame", "world".into())]);
+        let error = given.node(&shown).unwrap_err().to_string();
+        assert!(error.contains("node.sensor_frame is node.world_frame"), "{error}");
         for (name, value) in [
             ("node.base_frame", ParameterValue::from("table")),
             ("node.world_from_base", vec![1.0, 0.0, 0.0, 0.0, 0.0, 0.0].into()),

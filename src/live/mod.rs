@@ -272,9 +272,10 @@ impl Live {
         let tolerance = self.model.settings().filter.clock_tolerance;
         let age = (now - or_now(stamp, now)).seconds();
         (age.abs() > tolerance).then(|| {
+            let (age, word) = (age.abs(), if age < 0.0 { "ahead" } else { "old" });
             format!(
-                "its stamp is {age:.3} s old, not within filter.clock_tolerance, {tolerance} (hint: \
-                 use_sim_time)"
+                "its stamp is {age:.3} s {word}, not within filter.clock_tolerance, {tolerance} (hint: \
+                 use_sim_time, or the machines' clocks)"
             )
         })
     }

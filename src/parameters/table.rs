@@ -199,7 +199,18 @@ impl ParameterTable {
     fn siblings(&self, name: &str) -> Vec<String> {
         let section = name.rsplit_once('.').map(|(section, _)| section.to_owned());
         let siblings = self.list(section.as_slice(), 1).names;
-        if siblings.is_empty() { self.list(&[], 1).names } else { siblings }
+        if section.is_some() && !siblings.is_empty() {
+            return siblings;
+        }
+        let mut names: Vec<String> = Vec::new();
+        for Parameter { name, .. } in &self.parameters {
+            let name =
+                name.split_once('.').map_or(name.clone(), |(section, _)| format!("{section}.*"));
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names
     }
 
     fn take(&mut self, accepted: &[(String, ParameterValue)]) {
@@ -240,7 +251,7 @@ mod tests {
         ]);
         let expected = "speed is 11, must be a number from 0.1 to 10\n\
             sensor.colour is no parameter; there are sensor.rate\n\
-            sped is no parameter; there are speed, loop";
+            sped is no parameter; there are speed, loop, sensor.*";
         assert_eq!(table.start(wrong).unwrap_err().to_string(), expected);
         assert!(!table.is_true("loop"));
         table.start(given(&[("sensor.rate", 15.into()), ("loop", true.into())])).unwrap();

@@ -176,6 +176,22 @@ fn a_camera_on_a_head_that_turns_sees_the_partner_where_they_are() {
             messages
         }
     };
+    // Whoever is seen by it second is not what the room turns about.
+    let two = (0..20).flat_map(|frame| {
+        let giver = to_joint_state(&body(1, frame, "world"));
+        let mut messages = vec![sent("/giver/skeleton", Stamp(frame * STEP), &giver)];
+        messages.extend(seen(0..20)(frame));
+        messages[1].0 = "/receiver/skeleton".to_owned();
+        messages
+    });
+    let found = read(&bag_of(&two.collect::<Vec<_>>())).unwrap();
+    let note = "brought from frame 'camera' into 'world': 20 of 20 messages of /receiver/skeleton";
+    assert_eq!(found.notes, [note]);
+    for (role, person) in [(Role::First, 1), (Role::Second, 0)] {
+        for (frame, known) in found.recording.person(role).motion.frames().iter().zip(0..) {
+            assert!((frame.positions[7] - place(person, known, 7)).norm() < 1e-12, "{known}");
+        }
+    }
     let found = read(&bag_of(&live(20, seen(0..20)))).unwrap();
     let partner = &found.recording.person(Role::First).motion;
     for (frame, known) in partner.frames().iter().zip(1..) {

@@ -139,5 +139,5 @@ fn a_bag_in_several_files_is_one_recording() {
     let gone = [bag::File { name: "part_0.mcap", bytes: None }, files[1]];
     let found = bag::read(&gone, Some(&written.metadata), "clip", UpAxis::Z).unwrap();
     assert_eq!(found.recording.len(), 29);
-    assert_eq!(found.losses[0].to_string(), "part_0.mcap: it is not there");
+    assert_eq!(found.losses[0].to_string(), "part_0.mcap: there is no such file");
 }

@@ -333,6 +333,7 @@ def test_what_cannot_be_played_is_said(programs, parameters, words):
 @pytest.mark.parametrize(("arguments", "words"), [
     (["-p", "bad"], "Couldn't parse parameter override rule: '-p bad'"),
     (["--params-file", "/nowhere/parameters.yaml"], "/nowhere/parameters.yaml"),
+    (["--param-file", "a.yaml"], "unknown arguments of ROS: --param-file a.yaml"),
 ])
 def test_malformed_arguments_are_said(programs, arguments, words):
     process = programs.start("handover_sim", "node", "--ros-args", *arguments)

@@ -38,11 +38,14 @@ pub(super) fn recording(
         let [first, second] = [first, second].map(object_name);
         violations.add(Place::File, Reason::SecondObject { first, second });
     }
-    // A robot's frame is the one that it is to work in.
-    let frame = two[1].track.seen.first().map_or_else(String::new, |seen| seen.frame.to_string());
-    let view = View { frame: &frame, tree: &collected.frames, up };
+    // A robot's frame is the one that it is to work in, unless that moves itself: people would fly.
+    let frames = two.each_ref().map(|candidate| {
+        candidate.track.seen.first().map_or_else(String::new, |seen| seen.frame.to_string())
+    });
+    let frame = collected.frames.still(&frames[1], &frames[0]);
+    let view = View { frame, tree: &collected.frames, up };
     let tracks = two.iter_mut().map(|candidate| &mut candidate.track);
-    tracks.chain(&mut objects).for_each(|track| view.turn(track, violations));
+    tracks.chain(&mut objects).for_each(|track| view.turn(track, notes, violations));
     let mut whole = |candidate: Candidate, violations: &mut Violations| {
         let timeline = track::timeline(candidate, notes, violations)?;
         Some(fill::whole(timeline, notes, violations))

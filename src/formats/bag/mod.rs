@@ -168,7 +168,7 @@ fn walk(
     };
     for file in files {
         let Some(bytes) = file.bytes else {
-            losses.file(file.name, "it is not there");
+            losses.file(file.name, "there is no such file");
             continue;
         };
         let unpacked;

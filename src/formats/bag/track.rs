@@ -57,8 +57,14 @@ pub(super) struct View<'a> {
 }
 
 impl View<'_> {
-    /// Turns a track's places, whose frame is its first message's; what is in others is noted.
-    pub(super) fn turn(&self, track: &mut Track, violations: &mut Violations) {
+    /// Turns a track's places into the frame of all, which is noted.
+    pub(super) fn turn(
+        &self,
+        track: &mut Track,
+        notes: &mut Vec<String>,
+        violations: &mut Violations,
+    ) {
+        let mut turned = None;
         for seen in &mut track.seen {
             let place = || Place::Message { topic: track.topic.clone(), number: seen.number };
             if *seen.frame != *self.frame {
@@ -71,6 +77,7 @@ impl View<'_> {
                 for point in &mut seen.places {
                     *point = here_from_there * *point;
                 }
+                turned.get_or_insert((seen.frame.clone(), 0)).1 += 1;
             }
             for (name, point) in seen.names.iter().zip(&mut seen.places) {
                 if let Some(metres) = point.iter().copied().find(|c| c.abs() > FARTHEST) {
@@ -78,6 +85,13 @@ impl View<'_> {
                 }
                 *point = self.up.to_z_up(*point);
             }
+        }
+        if let Some((from, count)) = turned {
+            let (from, to) = (shortened(&from), shortened(self.frame));
+            let (topic, total) = (shortened(&track.topic), track.seen.len());
+            notes.push(format!(
+                "brought from frame '{from}' into '{to}': {count} of {total} messages of {topic}"
+            ));
         }
     }
 }
