@@ -15,6 +15,7 @@
 //! Knows nothing of people, joints or time; of units only that all shapes have the same.
 
 mod blender;
+mod dense;
 mod error;
 mod gradients;
 mod logarithms;
@@ -25,6 +26,7 @@ mod tetrise;
 mod triangles;
 
 pub use blender::{BlendSettings, Blended, Blender, Energy, Rotation, Workspace};
+pub use dense::{Apart, DenseBlender, DenseWorkspace};
 pub use error::BlendError;
 pub use structure::Structure;
 pub use tetrise::{Tetrisation, Tetrised, tetrise};

@@ -20,6 +20,9 @@ const SWEEPS: usize = 5;
 /// Terms of the exponential's series: the next is below rounding for matrices of norm ½.
 const TERMS: usize = 14;
 
+/// Terms of the sine and the cosine of angles below one half.
+const HALF_TERMS: usize = 7;
+
 /// A rotation by less than this `[rad]` has no axis worth its name.
 const NO_AXIS: f64 = 1e-10;
 
@@ -173,16 +176,46 @@ pub(super) fn exp_symmetric(x: &Symmetric) -> Symmetric {
 /// The rotation by a vector: `[rad]`, along its axis.
 #[inline(always)]
 pub(super) fn exp_rotations(vectors: &[Lanes; 3]) -> Quaternions {
-    let mut found = [[0.0; LANES]; 4];
+    let (mut square, mut most) = ([0.0; LANES], 0.0f64);
     for lane in 0..LANES {
         let [x, y, z] = [vectors[0][lane], vectors[1][lane], vectors[2][lane]];
-        let half = 0.5 * (x * x + y * y + z * z).sqrt();
-        let (sine, cosine) = half.sin_cos();
-        // sin(h)/h of a small h is 1 to rounding.
-        let share = if half > 1e-9 { 0.5 * sine / half } else { 0.5 };
-        found[0][lane] = cosine;
-        for (part, along) in [x, y, z].into_iter().enumerate() {
-            found[part + 1][lane] = share * along;
+        square[lane] = 0.25 * (x * x + y * y + z * z);
+    }
+    for square in square {
+        most = most.max(square);
+    }
+    // Half the angle, brought below one half; each squaring doubles it again.
+    let mut halvings = 0;
+    while most > 0.25 && halvings < 64 {
+        most *= 0.25;
+        halvings += 1;
+    }
+    let share = 0.5f64.powi(halvings);
+    let mut found = [[0.0; LANES]; 4];
+    for lane in 0..LANES {
+        let h = square[lane] * share * share;
+        // cos √h and sin √h / √h.
+        let (mut cosine, mut sine) = (1.0, 1.0);
+        for term in (1..=HALF_TERMS).rev() {
+            let n = 2.0 * term as f64;
+            let [of_cosine, of_sine] = [1.0 / (n * (n - 1.0)), 1.0 / (n * (n + 1.0))];
+            cosine = 1.0 - cosine * h * of_cosine;
+            sine = 1.0 - sine * h * of_sine;
+        }
+        let along = 0.5 * share * sine;
+        let [mut w, mut x, mut y, mut z] = [
+            cosine,
+            along * vectors[0][lane],
+            along * vectors[1][lane],
+            along * vectors[2][lane],
+        ];
+        for _ in 0..halvings {
+            let twice = 2.0 * w;
+            (w, x, y, z) = (w * w - (x * x + y * y + z * z), twice * x, twice * y, twice * z);
+        }
+        let length = 1.0 / (w * w + x * x + y * y + z * z).sqrt();
+        for (part, value) in [w, x, y, z].into_iter().enumerate() {
+            found[part][lane] = value * length;
         }
     }
     found

@@ -24,7 +24,7 @@ use crate::learn::{LearnMethod, LearnSettings};
 use crate::mesh::Kernel;
 use crate::motion::{Dimensions, MotionSettings};
 use crate::online::OnlineSettings;
-use crate::predict::{KnownJoints, PredictSettings};
+use crate::predict::{KnownJoints, PredictSettings, ReferenceBlend};
 use crate::retarget::Transform;
 pub use describe::{Kind, Parameter};
 use fields::Fields;
@@ -272,6 +272,8 @@ impl Config {
         fields.float("alignment.slack", &mut predict.warp.slack, 0.0, 0.45);
         fields.float("alignment.distance_weight", &mut predict.distance_weight, 0.0, 100.0);
         fields.count("reference.demonstrations", &mut predict.demonstrations, 1, 1000);
+        let blends = [("mean", ReferenceBlend::Mean), ("rigid", ReferenceBlend::Rigid)];
+        fields.choice("reference.blend", &mut predict.blend, &blends);
         fields.float("reference.contact_fade", &mut predict.contact_fade, 0.001, 60.0);
         fields.float("mesh.time_weight", &mut predict.time_weight, 0.0, 1000.0);
         predict.kernel = kernel(fields, predict.kernel);

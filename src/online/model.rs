@@ -3,16 +3,17 @@
 use std::sync::Arc;
 
 use super::OnlineSettings;
+use crate::blend::Apart;
 use crate::demonstration::Hands;
 use crate::forecast::{ForecastError, Forecaster};
 use crate::geometry::Vector;
 use crate::mesh::{MeshError, Pair, Vertex};
-use crate::predict::{LearnedEdges, PredictSettings, Predictor};
+use crate::predict::{LearnedEdges, PredictSettings, Predictor, Shapes};
 use crate::retarget::RetargetError;
 use crate::safety::SafetyError;
 use crate::settings::OutOfBounds;
 use crate::skeleton::{JointId, Role, Sequence};
-use crate::track::{Library, LibraryError};
+use crate::track::{Library, LibraryError, Who};
 
 /// Why there is no online model.
 #[derive(Debug, thiserror::Error, Clone, PartialEq)]
@@ -49,6 +50,9 @@ pub struct OnlineModel {
     pub(super) settings: OnlineSettings,
     /// Per pair of hands, by [`Hands::index`].
     gaps: [Vector; 4],
+    /// Where the reference is a blend: what the demonstrations are shapes of, and each frame of the
+    /// grid of each taken apart.
+    pub(super) shapes: Option<(Shapes, Vec<Vec<Apart>>)>,
 }
 
 impl OnlineModel {
@@ -69,7 +73,9 @@ impl OnlineModel {
         for hands in Hands::all() {
             gaps[hands.index()] = predictor.mean_gap(hands);
         }
+        let shapes = predictor.shapes().map(|shapes| (shapes.clone(), apart(&library, shapes)));
         Ok(Self {
+            shapes,
             library,
             forecaster,
             edges: predictor.edges().clone(),
@@ -116,4 +122,28 @@ impl OnlineModel {
     pub fn settings(&self) -> &OnlineSettings {
         &self.settings
     }
+}
+
+/// All frames of all demonstrations taken apart.
+fn apart(library: &Library, shapes: &Shapes) -> Vec<Vec<Apart>> {
+    let exemplars = library.exemplars().iter().enumerate();
+    let exemplars = exemplars.map(|(at, exemplar)| {
+        let frames = (0..exemplar.len()).map(|frame| {
+            let [robot, partner] = [Who::Robot, Who::Partner].map(|who| {
+                let pose = library.pose(at, who, frame as f64);
+                library.skeleton(who).joints().map(|joint| pose.position(joint)).collect::<Vec<_>>()
+            });
+            let between = between(library, at, frame as f64);
+            shapes.apart(shapes.turn(at), between, &robot, &partner)
+        });
+        frames.collect()
+    });
+    exemplars.collect()
+}
+
+/// From the partner's base to the robot's in a demonstration `[m]`, as it was recorded.
+pub(super) fn between(library: &Library, exemplar: usize, frame: f64) -> Vector {
+    let [robot, partner] = [Who::Robot, Who::Partner]
+        .map(|who| library.position(exemplar, who, frame, library.base(who)));
+    robot - partner
 }

@@ -6,8 +6,11 @@
 //! brought to the gap that the demonstrations had at theirs.
 
 use super::OnlineModel;
+use super::model::between;
+use crate::blend::Apart;
 use crate::geometry::{Point, Vector, yaw_isometry};
 use crate::kinematics::minimum_jerk;
+use crate::predict::{Shapes, ShapesWorkspace, mean_turn};
 use crate::skeleton::Part;
 use crate::track::{Belief, Followed, Library, Who};
 
@@ -29,12 +32,14 @@ impl Scene {
 }
 
 /// The reference over the window: `[m]`, `frames × joints`, the window's past first.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Reference {
     /// The robot role's joints.
     pub robot: Vec<Point>,
     /// The partner's joints.
     pub partner: Vec<Point>,
+    /// Room to blend, where the reference is a blend.
+    workspace: Option<ShapesWorkspace>,
 }
 
 impl Reference {
@@ -42,7 +47,8 @@ impl Reference {
     pub fn new(model: &OnlineModel) -> Self {
         let frames = model.settings.past + 1 + model.settings.future;
         let room = |who| vec![Point::origin(); frames * model.library.skeleton(who).len()];
-        Self { robot: room(Who::Robot), partner: room(Who::Partner) }
+        let workspace = model.shapes.as_ref().map(|(shapes, _)| shapes.workspace());
+        Self { robot: room(Who::Robot), partner: room(Who::Partner), workspace }
     }
 
     /// Lays the demonstrations followed on where the partner and the robot's base are.
@@ -67,6 +73,9 @@ impl Reference {
                 seen[partner_base],
                 partner,
             );
+            if let (Some((shapes, apart)), Some(workspace)) = (&model.shapes, &mut self.workspace) {
+                blend(library, shapes, apart, &belief.followed, ahead, [robot, partner], workspace);
+            }
             if holds_gap {
                 hold_gap(model, belief, ahead, seen, robot, partner);
             }
@@ -99,6 +108,34 @@ pub fn mean_pose(
             *place += followed.weight * followed.turned(there.position(joint) - base);
         }
     }
+}
+
+/// Brings the mean poses of both people to where the blend of the demonstrations followed is.
+fn blend(
+    library: &Library,
+    shapes: &Shapes,
+    apart: &[Vec<Apart>],
+    followed: &[Followed],
+    ahead: f64,
+    [robot, partner]: [&mut [Point]; 2],
+    workspace: &mut ShapesWorkspace,
+) {
+    let here_from_shape = mean_turn(followed.iter().map(|followed| {
+        (followed.turn * shapes.turn(followed.exemplar).inverse(), followed.weight)
+    }));
+    let between = followed.iter().map(|followed| {
+        let there = between(library, followed.exemplar, followed.frame + ahead);
+        followed.weight * followed.turned(there)
+    });
+    let between = between.sum();
+    // A pose between two frames is as much of each as it is near.
+    let poses = followed.iter().flat_map(|followed| {
+        let frames = &apart[followed.exemplar];
+        let frame = (followed.frame + ahead).clamp(0.0, (frames.len() - 1) as f64);
+        [(1.0 - frame.fract(), frame.floor()), (frame.fract(), frame.ceil())]
+            .map(|(part, frame)| (part * followed.weight, &frames[frame as usize]))
+    });
+    shapes.blend(poses, here_from_shape, between, robot, partner, workspace);
 }
 
 /// Near the reference's contact, brings its hands to the gap that the demonstrations had at theirs.

@@ -4,12 +4,15 @@
 //! that lays both people's bases on theirs, then each person shifted frame by frame so that the
 //! bases coincide. The robot role's truth is never looked at.
 
+use nalgebra::{Complex, UnitComplex};
+
 use crate::align::{WarpSettings, warp};
 use crate::demonstration::{Demonstration, Hands, Observation};
 use crate::geometry::{Isometry, Point, Vector, yaw_alignment, yaw_isometry};
 use crate::skeleton::{JointId, Sequence};
 
-use super::PredictSettings;
+use super::{PredictSettings, Shapes, mean_turn};
+use crate::blend::Apart;
 
 /// One demonstration on an observation's time and place.
 #[derive(Debug, Clone)]
@@ -26,6 +29,10 @@ pub struct Aligned {
     pub partner: Vec<Point>,
     /// The robot role's joints `[m]`, `frames × joints`, the base where the robot's is.
     pub robot: Vec<Point>,
+    /// How the demonstration was turned about the vertical.
+    pub turn: UnitComplex<f64>,
+    /// From the partner's base to the robot's `[m]` at each frame, as demonstrated, turned.
+    pub between: Vec<Vector>,
 }
 
 /// An observation with all demonstrations on it, nearest first.
@@ -58,6 +65,36 @@ impl Alignment {
     /// The reference's robot: `[m]`, `frames × joints`; its bones shrink where people differ.
     pub fn mean_robot(&self) -> Vec<Point> {
         self.mean(|aligned| &aligned.robot)
+    }
+
+    /// The blend of the nearest demonstrations: the robot and its partner, `[m]`, `frames × joints`.
+    pub(super) fn blend(&self, shapes: &Shapes) -> [Vec<Point>; 2] {
+        let (mut robot, mut partner) = (self.mean_robot(), self.mean_partner());
+        let nearest =
+            || self.nearest.iter().map(|(at, weight)| (&self.all[*at], *weight));
+        let here_from_shape = |aligned: &Aligned| {
+            aligned.turn * shapes.turn(aligned.demonstration).inverse()
+        };
+        let mean_turn = mean_turn(nearest().map(|(aligned, w)| (here_from_shape(aligned), w)));
+        let frames = self.all[self.nearest[0].0].between.len();
+        let [robot_joints, partner_joints] = [robot.len() / frames, partner.len() / frames];
+        let mut workspace = shapes.workspace();
+        let rows = robot.chunks_exact_mut(robot_joints);
+        let rows = rows.zip(partner.chunks_exact_mut(partner_joints)).enumerate();
+        for (frame, (robot, partner)) in rows {
+            let poses: Vec<(f64, Apart)> = nearest()
+                .map(|(aligned, weight)| {
+                    let robot = &aligned.robot[frame * robot_joints..][..robot_joints];
+                    let partner = &aligned.partner[frame * partner_joints..][..partner_joints];
+                    let turn = here_from_shape(aligned).inverse();
+                    (weight, shapes.apart(turn, aligned.between[frame], robot, partner))
+                })
+                .collect();
+            let between = nearest().map(|(aligned, weight)| weight * aligned.between[frame]).sum();
+            let poses = poses.iter().map(|(weight, apart)| (*weight, apart));
+            shapes.blend(poses, mean_turn, between, robot, partner, &mut workspace);
+        }
+        [robot, partner]
     }
 
     /// The observation's frame (fractional) at which the reference's hands meet.
@@ -131,6 +168,12 @@ pub(super) fn align(
         place(partner, partner_base, &here_from_demonstration, observation.partner_place(k));
         place(robot, robot_base, &here_from_demonstration, observation.base[k]);
     }
+    let between = places.iter().map(|[partner, _, robot, _]| {
+        here_from_demonstration.rotation * (robot - partner)
+    });
+    let between = between.collect();
+    let turned = here_from_demonstration.rotation * Vector::x();
+    let turn = Complex::new(turned.x, turned.y);
     let contact = demonstration.contact();
     let moment = contact.frame as f64;
     let met = warp.source.iter().map(|source| (source - moment).abs());
@@ -148,6 +191,8 @@ pub(super) fn align(
         contact: sum / count,
         partner: partner.concat(),
         robot: robot.concat(),
+        turn: UnitComplex::new_normalize(turn),
+        between,
     })
 }
 

@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use super::aligned::{Alignment, align, choose, features};
-use super::{LearnedEdges, PredictSettings, Problem, attach, promp, ridge};
+use super::{
+    LearnedEdges, PredictSettings, Problem, ReferenceBlend, Shapes, attach, promp, ridge,
+};
 use crate::demonstration::{Demonstration, Hands, Observation};
 use crate::geometry::{Point, Vector};
 use crate::mesh::MeshError;
@@ -95,6 +97,8 @@ pub struct Predictor {
     features: Vec<Vec<Vec<f64>>>,
     ridge: ridge::Ridge,
     edges: LearnedEdges,
+    /// Where the reference is a blend.
+    shapes: Option<Shapes>,
     settings: PredictSettings,
 }
 
@@ -125,7 +129,11 @@ impl Predictor {
         let features = features.collect();
         let ridge = ridge::Ridge::fit(&demonstrations, settings.ridge_penalty);
         let edges = LearnedEdges::none(demonstrations[0].contact().hands);
-        Ok(Self { demonstrations, features, ridge, edges, settings })
+        let shapes = match settings.blend {
+            ReferenceBlend::Mean => None,
+            ReferenceBlend::Rigid => Shapes::new(demonstrations.iter().map(|d| &**d))?,
+        };
+        Ok(Self { demonstrations, features, ridge, edges, shapes, settings })
     }
 
     /// The same with edges between the people for [`Method::Mesh`], which has none otherwise.
@@ -141,6 +149,11 @@ impl Predictor {
     /// The edges between the people.
     pub fn edges(&self) -> &LearnedEdges {
         &self.edges
+    }
+
+    /// What the demonstrations are shapes of, where the reference is their blend.
+    pub fn shapes(&self) -> Option<&Shapes> {
+        self.shapes.as_ref()
     }
 
     /// How predictions are made.
@@ -215,7 +228,7 @@ impl Predictor {
     /// What [`Method::Mesh`] solves: the reference holds the mean gap at its contact.
     pub fn problem(&self, observation: &Observation, alignment: &Alignment) -> Problem {
         let gap = self.mean_gap(alignment.hands);
-        Problem::new(observation, alignment, Some(gap), &self.settings)
+        Problem::new(observation, alignment, self.shapes(), Some(gap), &self.settings)
     }
 
     /// One of the demonstrations, retargeted from one of the others as [`Self::problem`] is.
@@ -235,7 +248,7 @@ impl Predictor {
             (self.demonstrations[at].observation(), self.demonstrations[at].contact().hands);
         let alignment = self.align_to(&observation, Some(hands), |other| other == from)?;
         let gap = self.mean_gap_of(hands, allowed);
-        Ok(Problem::new(&observation, &alignment, Some(gap), &self.settings))
+        Ok(Problem::new(&observation, &alignment, self.shapes(), Some(gap), &self.settings))
     }
 
     /// The demonstrations retargeted as they are: no gap is held at contact.
@@ -250,7 +263,7 @@ impl Predictor {
         hands: Hands,
     ) -> Result<Problem, PredictError> {
         let alignment = self.align_to(observation, Some(hands), |_| true)?;
-        Ok(Problem::new(observation, &alignment, None, &self.settings))
+        Ok(Problem::new(observation, &alignment, self.shapes(), None, &self.settings))
     }
 
     /// The robot's joints by a method that needs no alignment, at each frame from the past alone:
@@ -288,7 +301,9 @@ impl Predictor {
                 attach::predict(observation, alignment, gap, self.settings.attach_fade)
             }
             Method::None => {
-                let problem = Problem::new(observation, alignment, None, &self.settings);
+                let shapes = self.shapes();
+                let problem =
+                    Problem::new(observation, alignment, shapes, None, &self.settings);
                 let no_edges = LearnedEdges::none(alignment.hands);
                 problem.solve(&no_edges, observation, &self.settings)?
             }

@@ -13,10 +13,13 @@ mod problem;
 mod promp;
 mod ridge;
 mod settings;
+mod shapes;
 
 pub use aligned::{Aligned, Alignment};
 pub use attach::lead_hand;
 pub use edges::{EdgesError, LearnedEdge, LearnedEdges, edge_for_hands, phase};
 pub use method::{Method, PredictError, Predictor};
 pub use problem::Problem;
-pub use settings::{KnownJoints, PredictSettings};
+pub use settings::{KnownJoints, PredictSettings, ReferenceBlend};
+pub(crate) use shapes::mean_turn;
+pub use shapes::{Shapes, ShapesWorkspace};

@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use super::aligned::Alignment;
-use super::{KnownJoints, LearnedEdges, PredictError, PredictSettings, phase};
+use super::{KnownJoints, LearnedEdges, PredictError, PredictSettings, Shapes, phase};
 use crate::demonstration::{Hands, Observation};
 use crate::geometry::{Point, Vector};
 use crate::mesh::{EdgeWeights, InitialEdges, InteractionMesh, Kernel, MeshError, Pair, Topology};
@@ -31,16 +31,22 @@ pub struct Problem {
 }
 
 impl Problem {
+    /// - `shapes`: what the demonstrations are shapes of, if the reference is their blend; else it is
+    ///   their mean.
     /// - `contact_gap`: the gap `[m]` that the reference holds at its contact, in the partner's
-    ///   heading frame; without one the reference is the mean as it is.
+    ///   heading frame; without one the reference stays as it is.
     pub fn new(
         observation: &Observation,
         alignment: &Alignment,
+        shapes: Option<&Shapes>,
         contact_gap: Option<Vector>,
         settings: &PredictSettings,
     ) -> Self {
         let people = People::of(observation);
-        let (mut robot, partner) = (alignment.mean_robot(), alignment.mean_partner());
+        let [mut robot, partner] = match shapes {
+            Some(shapes) => alignment.blend(shapes),
+            None => [alignment.mean_robot(), alignment.mean_partner()],
+        };
         if let Some(gap) = contact_gap {
             let fade = settings.contact_fade;
             hold_contact_gap(observation, alignment, gap, fade, &mut robot, &partner);

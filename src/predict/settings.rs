@@ -13,11 +13,22 @@ pub enum KnownJoints {
     Soft,
 }
 
+/// How several demonstrations become one reference.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ReferenceBlend {
+    /// Their weighted mean, joint by joint.
+    Mean,
+    /// As shapes, each part turned and stretched as little as possible (Kaji 2015).
+    Rigid,
+}
+
 /// How demonstrations are aligned, meshed and retargeted, and how the baselines are fitted.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PredictSettings {
     /// How many of the nearest demonstrations make the reference, ≥ 1.
     pub demonstrations: usize,
+    /// How they make it.
+    pub blend: ReferenceBlend,
     /// Standard deviation of the smoothing of observed and demonstrated motion `[s]`, ≥ 0.
     pub smoothing: f64,
     /// Bounds of the time alignment; the penalty is in metres.
@@ -50,6 +61,7 @@ impl Default for PredictSettings {
     fn default() -> Self {
         Self {
             demonstrations: 5,
+            blend: ReferenceBlend::Mean,
             smoothing: 0.05,
             warp: WarpSettings { pause_penalty: 0.02, slack: 0.1 },
             distance_weight: 0.2,
