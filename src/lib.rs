@@ -6,6 +6,7 @@
 //! nanoseconds; the library opens no file, reads no clock and prints nothing.
 
 pub mod align;
+pub mod blend;
 pub mod bodies;
 pub mod config;
 pub mod delaunay;
@@ -31,6 +32,7 @@ pub mod predict;
 pub mod retarget;
 #[cfg(feature = "ros")]
 pub mod ros;
+mod rotations;
 pub mod safety;
 pub mod settings;
 pub mod skeleton;

@@ -20,7 +20,6 @@ mod implicit;
 mod neighbourhoods;
 mod prepared;
 mod pull;
-mod rotations;
 mod row_slopes;
 mod settings;
 mod solve;

@@ -11,9 +11,9 @@
 use nalgebra::Matrix3;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::rotations::{IDENTITIES, LANES, Quaternions, best_rotations, lane_of, matrix};
 use super::system::Pattern;
 use crate::geometry::Point;
+use crate::rotations::{IDENTITIES, LANES, Quaternions, best_rotations, lane_of, matrix};
 
 /// One edge of a neighbourhood.
 #[derive(Debug, Clone, Copy, Default)]

@@ -1,5 +1,5 @@
-//! The local step of `local_global`: many neighbourhoods' best rotations at once, from their last
-//! ones.
+//! Many best rotations at once, from earlier ones: of the neighbourhoods that `local_global` turns,
+//! of the tetrahedra that are blended.
 //!
 //! `R = argmax tr(Rᵀ C)`. With `R` the turn of a unit quaternion `q` this is `argmax qᵀ K q`, `K`
 //! a symmetric 4×4 matrix linear in `C` (Davenport 1968; Horn 1987), so `q` is the eigenvector of
@@ -15,19 +15,19 @@ use crate::geometry::closest_rotation;
 
 /// Rotations found together: two registers of four, so that one's divisions overlap the other's
 /// sums.
-pub(super) const LANES: usize = 8;
+pub(crate) const LANES: usize = 8;
 
 /// One number of each rotation.
-pub(super) type Lanes = [f64; LANES];
+pub(crate) type Lanes = [f64; LANES];
 
 /// `w x y z` of unit quaternions.
-pub(super) type Quaternions = [Lanes; 4];
+pub(crate) type Quaternions = [Lanes; 4];
 
 /// Matrices, row by row.
-pub(super) type Matrices = [[Lanes; 3]; 3];
+pub(crate) type Matrices = [[Lanes; 3]; 3];
 
 /// No turn at all.
-pub(super) const IDENTITIES: Quaternions = [[1.0; LANES], [0.0; LANES], [0.0; LANES], [0.0; LANES]];
+pub(crate) const IDENTITIES: Quaternions = [[1.0; LANES], [0.0; LANES], [0.0; LANES], [0.0; LANES]];
 
 /// Steps before the singular value decomposition decides.
 const STEPS: usize = 6;
@@ -39,7 +39,7 @@ const SETTLED: f64 = 1e-5;
 ///
 /// Where the iteration does not settle on the largest eigenvalue, the decomposition decides.
 #[inline(always)]
-pub(super) fn best_rotations(covariances: &Matrices, rotations: &mut Quaternions) {
+pub(crate) fn best_rotations(covariances: &Matrices, rotations: &mut Quaternions) {
     let mut settled = [0.0; LANES];
     for _ in 0..STEPS {
         for lane in 0..LANES {
@@ -123,7 +123,7 @@ fn step(covariance: &[[f64; 3]; 3], q: [f64; 4]) -> ([f64; 4], f64) {
 
 /// The rotation matrix of a unit quaternion.
 #[inline(always)]
-pub(super) fn matrix([w, x, y, z]: [f64; 4]) -> [[f64; 3]; 3] {
+pub(crate) fn matrix([w, x, y, z]: [f64; 4]) -> [[f64; 3]; 3] {
     let [x2, y2, z2] = [x + x, y + y, z + z];
     let [wx, wy, wz] = [w * x2, w * y2, w * z2];
     let [xx, xy, xz] = [x * x2, x * y2, x * z2];
@@ -137,7 +137,7 @@ pub(super) fn matrix([w, x, y, z]: [f64; 4]) -> [[f64; 3]; 3] {
 
 /// One rotation's quaternion.
 #[inline(always)]
-pub(super) fn lane_of(quaternions: &Quaternions, lane: usize) -> [f64; 4] {
+pub(crate) fn lane_of(quaternions: &Quaternions, lane: usize) -> [f64; 4] {
     [quaternions[0][lane], quaternions[1][lane], quaternions[2][lane], quaternions[3][lane]]
 }
 

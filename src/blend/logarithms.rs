@@ -1,0 +1,130 @@
+//! Maps of tetrahedra → numbers that may be added, and back.
+//!
+//! With `Âₖ = Rₖ Sₖ` (polar decomposition) and weights `wₖ`
+//!
+//! `Blend_P = exp(Σ wₖ log Rₖ) (I + Σ wₖ (Sₖ − I))`, the logarithm of angles up to π (Sumner et al.
+//! 2005), and
+//!
+//! `Blend_C = exp(Σ wₖ logᶜ Rₖ) exp(Σ wₖ log Sₖ)`, its angles continuous from each tetrahedron to its
+//! neighbours (Kaji 2015, section 5; there `Σ exp` is printed, with which no weights at all would
+//! not give the reference). The determinant of Blend_C is positive whatever the weights, that of
+//! Blend_P need not be.
+
+use super::blender::Rotation;
+use super::gradients::Block;
+use super::tangent::{
+    Symmetric, exp_rotations, exp_symmetric, log_rotation, log_symmetric, nearest_branch, stretches,
+};
+use crate::geometry::Point;
+use crate::rotations::{
+    IDENTITIES, LANES, Lanes, Matrices, Quaternions, best_rotations, lane_of, matrix,
+};
+
+/// Eight tetrahedra: the rotation's vector `[rad]`, then the stretch's `xx yy zz yz xz xy`.
+pub(super) type Sums = [Lanes; 9];
+
+/// A shape's tetrahedra, each as numbers that may be added.
+///
+/// - `shape`: `[m]`, ghosts among them; every tetrahedron positive.
+/// - `order`: each tetrahedron after a neighbour.
+#[inline(always)]
+pub(super) fn logarithms(
+    blocks: &[Block],
+    shape: &[Point],
+    order: &[(u32, Option<u32>)],
+    rotation: Rotation,
+) -> Vec<Sums> {
+    let sums = blocks.iter().map(|block| {
+        let maps = block.maps(shape);
+        let mut quaternions = IDENTITIES;
+        best_rotations(&maps, &mut quaternions);
+        let mut stretch = stretches(&maps, &matrices(&quaternions));
+        match rotation {
+            Rotation::Continuous => stretch = log_symmetric(&stretch),
+            Rotation::Principal => {
+                for value in stretch[..3].as_flattened_mut() {
+                    *value -= 1.0;
+                }
+            }
+        }
+        let mut sums = [[0.0; LANES]; 9];
+        sums[3..].copy_from_slice(&stretch);
+        for lane in 0..LANES {
+            let vector = log_rotation(&quaternions, lane);
+            for axis in 0..3 {
+                sums[axis][lane] = vector[axis];
+            }
+        }
+        sums
+    });
+    let mut sums: Vec<Sums> = sums.collect();
+    if rotation == Rotation::Continuous {
+        for (here, neighbour) in order {
+            let Some(neighbour) = neighbour else { continue };
+            let vector = |at: u32| {
+                let (block, lane) = (at as usize / LANES, at as usize % LANES);
+                [0, 1, 2].map(|axis| sums[block][axis][lane])
+            };
+            let nearest = nearest_branch(vector(*here), vector(*neighbour));
+            let (block, lane) = (*here as usize / LANES, *here as usize % LANES);
+            for axis in 0..3 {
+                sums[block][axis][lane] = nearest[axis];
+            }
+        }
+    }
+    sums
+}
+
+/// The rotations and the stretches that sums stand for.
+#[inline(always)]
+pub(super) fn rotations_and_stretches(sums: &Sums, rotation: Rotation) -> (Quaternions, Symmetric) {
+    let [x, y, z, xx, yy, zz, yz, xz, xy] = *sums;
+    let rotations = exp_rotations(&[x, y, z]);
+    let mut stretch = [xx, yy, zz, yz, xz, xy];
+    match rotation {
+        Rotation::Continuous => stretch = exp_symmetric(&stretch),
+        Rotation::Principal => {
+            for value in stretch[..3].as_flattened_mut() {
+                *value += 1.0;
+            }
+        }
+    }
+    (rotations, stretch)
+}
+
+/// `R S`.
+#[inline(always)]
+pub(super) fn products(rotations: &Quaternions, stretch: &Symmetric) -> Matrices {
+    times(&matrices(rotations), stretch)
+}
+
+/// `A S`.
+#[inline(always)]
+pub(super) fn times(maps: &Matrices, [xx, yy, zz, yz, xz, xy]: &Symmetric) -> Matrices {
+    let columns = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+    let mut found = [[[0.0; LANES]; 3]; 3];
+    for i in 0..3 {
+        for j in 0..3 {
+            for lane in 0..LANES {
+                let term = |k: usize| maps[i][k][lane] * columns[j][k][lane];
+                found[i][j][lane] = term(0) + term(1) + term(2);
+            }
+        }
+    }
+    found
+}
+
+/// The matrices of rotations.
+#[inline(always)]
+pub(super) fn matrices(rotations: &Quaternions) -> Matrices {
+    let mut found = [[[0.0; LANES]; 3]; 3];
+    for lane in 0..LANES {
+        let one = matrix(lane_of(rotations, lane));
+        for i in 0..3 {
+            for j in 0..3 {
+                found[i][j][lane] = one[i][j];
+            }
+        }
+    }
+    found
+}

@@ -1,0 +1,198 @@
+//! Tetrahedra over vertices: what is at a vertex, what hangs together.
+
+use std::ops::Range;
+
+use super::BlendError;
+use crate::geometry::Point;
+
+/// A tetrahedron whose volume is less than this share of its longest edge's cube is flat.
+const FLAT: f64 = 1e-9;
+
+/// Tetrahedra `(v₀, v₁, v₂, v₃)` over numbered vertices; they may overlap (Kaji 2015, Definition 1).
+///
+/// A tetrahedron is positive in a shape if `det(v₁ − v₀, v₂ − v₀, v₃ − v₀) > 0` there. Vertices in
+/// none are allowed.
+///
+/// ```
+/// use handover_mesh::blend::Structure;
+/// let one = Structure::new(4, vec![[0, 1, 2, 3]])?;
+/// assert_eq!(one.weights(), [1.0]);
+/// # Ok::<(), handover_mesh::blend::BlendError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Structure {
+    vertices: usize,
+    /// The last vertices, of which no tetrahedron has two.
+    ghosts: usize,
+    tetrahedra: Vec<[u32; 4]>,
+    weights: Vec<f64>,
+}
+
+impl Structure {
+    /// Tetrahedra of weight 1.
+    ///
+    /// # Errors
+    /// [`BlendError::Corners`] names the first tetrahedron whose corners are no vertices, or are
+    /// not distinct; [`BlendError::TooMany`].
+    pub fn new(vertices: usize, tetrahedra: Vec<[u32; 4]>) -> Result<Self, BlendError> {
+        if vertices >= u32::MAX as usize {
+            return Err(BlendError::TooMany { vertices });
+        }
+        check_corners("tetrahedron", &tetrahedra, vertices)?;
+        Ok(Self { vertices, ghosts: 0, weights: vec![1.0; tetrahedra.len()], tetrahedra })
+    }
+
+    /// The same with these as the last corners of tetrahedra over vertices alone.
+    pub(super) fn with_ghosts(vertices: usize, ghosts: usize, tetrahedra: Vec<[u32; 4]>) -> Self {
+        let weights = vec![1.0; tetrahedra.len()];
+        Self { vertices: vertices + ghosts, ghosts, tetrahedra, weights }
+    }
+
+    /// How much each tetrahedron counts (Kaji 2015, Remark 2): `[-]`, finite, ≥ 0.
+    ///
+    /// # Errors
+    /// [`BlendError::Weight`] names the first that is not, or where there is not one for each.
+    pub fn weighted(self, weights: Vec<f64>) -> Result<Self, BlendError> {
+        let usable = |weight: &f64| weight.is_finite() && *weight >= 0.0;
+        let fault = weights.iter().position(|weight| !usable(weight));
+        let missing = self.tetrahedra.len().min(weights.len());
+        let fault = fault.or((weights.len() != self.tetrahedra.len()).then_some(missing));
+        match fault {
+            Some(tetrahedron) => Err(BlendError::Weight { tetrahedron }),
+            None => Ok(Self { weights, ..self }),
+        }
+    }
+
+    /// How many vertices there are, ghosts among them.
+    pub fn vertices(&self) -> usize {
+        self.vertices
+    }
+
+    /// The vertices that were added, the last ones: no tetrahedron has two.
+    pub fn ghosts(&self) -> Range<usize> {
+        self.vertices - self.ghosts..self.vertices
+    }
+
+    /// The corners of each tetrahedron.
+    pub fn tetrahedra(&self) -> &[[u32; 4]] {
+        &self.tetrahedra
+    }
+
+    /// How much each counts.
+    pub fn weights(&self) -> &[f64] {
+        &self.weights
+    }
+
+    /// Without the tetrahedra that are not positive in every shape, and how many those were.
+    ///
+    /// - `shapes`: one place a vertex, ghosts among them.
+    pub(super) fn positive(mut self, shapes: &[Vec<Point>]) -> (Self, usize) {
+        let everywhere = |corners: &[u32; 4]| shapes.iter().all(|shape| is_positive(corners, shape));
+        let kept: Vec<bool> = self.tetrahedra.iter().map(everywhere).collect();
+        let mut keep = kept.iter();
+        self.tetrahedra.retain(|_| *keep.next().unwrap_or(&false));
+        let mut keep = kept.iter();
+        self.weights.retain(|_| *keep.next().unwrap_or(&false));
+        let flipped = kept.len() - self.tetrahedra.len();
+        (self, flipped)
+    }
+
+    /// The tetrahedra in an order in which each but the first of those that hang together shares a
+    /// vertex with an earlier one: `(tetrahedron, the earlier one)`.
+    pub(super) fn breadth_first(&self) -> Vec<(u32, Option<u32>)> {
+        let (starts, at) = incidence(&self.tetrahedra, self.vertices);
+        let mut order = Vec::with_capacity(self.tetrahedra.len());
+        let mut is_reached = vec![false; self.tetrahedra.len()];
+        let mut is_spent = vec![false; self.vertices];
+        for seed in 0..self.tetrahedra.len() {
+            if is_reached[seed] {
+                continue;
+            }
+            is_reached[seed] = true;
+            let mut next = order.len();
+            order.push((seed as u32, None));
+            while let Some((here, _)) = order.get(next).copied() {
+                next += 1;
+                // The last corner first: around a ghost neighbours share a face.
+                for corner in self.tetrahedra[here as usize].iter().rev() {
+                    let corner = *corner as usize;
+                    if std::mem::replace(&mut is_spent[corner], true) {
+                        continue;
+                    }
+                    for other in &at[starts[corner] as usize..starts[corner + 1] as usize] {
+                        if !std::mem::replace(&mut is_reached[*other as usize], true) {
+                            order.push((*other, Some(here)));
+                        }
+                    }
+                }
+            }
+        }
+        order
+    }
+
+    /// Which of the parts that hang together each vertex belongs to, and how many there are; none of
+    /// a vertex in no tetrahedron.
+    pub(super) fn parts(&self, order: &[(u32, Option<u32>)]) -> (Vec<Option<u32>>, usize) {
+        let mut parts = vec![None; self.vertices];
+        let mut count = 0;
+        for (tetrahedron, earlier) in order {
+            count += u32::from(earlier.is_none());
+            for corner in self.tetrahedra[*tetrahedron as usize] {
+                parts[corner as usize] = Some(count - 1);
+            }
+        }
+        (parts, count as usize)
+    }
+}
+
+/// `det(v₁ − v₀, v₂ − v₀, v₃ − v₀)`: six times the volume.
+fn determinant(corners: &[u32; 4], shape: &[Point]) -> f64 {
+    let [a, b, c, d] = corners.map(|corner| shape[corner as usize]);
+    (b - a).cross(&(c - a)).dot(&(d - a))
+}
+
+pub(super) fn is_positive(corners: &[u32; 4], shape: &[Point]) -> bool {
+    let [a, b, c, d] = corners.map(|corner| shape[corner as usize]);
+    let sides = [b - a, c - a, d - a, c - b, d - b, d - c];
+    let longest = sides.iter().map(|side| side.norm_squared()).fold(0.0, f64::max);
+    determinant(corners, shape) > FLAT * longest * longest.sqrt()
+}
+
+/// Whether all corners are vertices, and distinct.
+pub(super) fn check_corners<const N: usize>(
+    what: &'static str,
+    all: &[[u32; N]],
+    vertices: usize,
+) -> Result<(), BlendError> {
+    let is_wrong = |corners: &[u32; N]| {
+        let repeated = (1..N).any(|at| corners[..at].contains(&corners[at]));
+        repeated || corners.iter().any(|corner| *corner as usize >= vertices)
+    };
+    match all.iter().position(is_wrong) {
+        Some(at) => {
+            Err(BlendError::Corners { what, at, corners: all[at].to_vec(), vertices })
+        }
+        None => Ok(()),
+    }
+}
+
+/// Which simplices are at each vertex: those at `v` are `at[starts[v]..starts[v + 1]]`, rising.
+pub(super) fn incidence<const N: usize>(all: &[[u32; N]], vertices: usize) -> (Vec<u32>, Vec<u32>) {
+    let mut starts = vec![0u32; vertices + 1];
+    for corner in all.iter().flatten() {
+        starts[*corner as usize + 1] += 1;
+    }
+    for vertex in 0..vertices {
+        starts[vertex + 1] += starts[vertex];
+    }
+    let mut next = starts.clone();
+    let mut at = vec![0u32; N * all.len()];
+    for (index, corners) in (0u32..).zip(all) {
+        for corner in corners {
+            let place = &mut next[*corner as usize];
+            at[*place as usize] = index;
+            *place += 1;
+        }
+    }
+    (starts, at)
+}

@@ -1,0 +1,304 @@
+//! Rotations and stretches ⇄ their logarithms, eight at a time.
+//!
+//! A map with a positive determinant is `A = R S`, `R` a rotation and `S` symmetric and positive
+//! definite (polar decomposition). `log R` is a vector along the axis, as long as the angle;
+//! `log S` is symmetric.
+//!
+//! Written for one and compiled for a register full, as [`crate::rotations`] is: lanes take no
+//! branches. The decomposition of `S` is Jacobi's (Golub & Van Loan 2013, 8.5), accurate to rounding
+//! however near its eigenvalues are to each other.
+
+use crate::rotations::{LANES, Lanes, Matrices, Quaternions, lane_of};
+
+/// Symmetric matrices: `xx yy zz yz xz xy`.
+pub(super) type Symmetric = [Lanes; 6];
+
+/// Sweeps of the decomposition: from the third on it converges quadratically, and the fifth finds
+/// nothing left to do.
+const SWEEPS: usize = 5;
+
+/// Terms of the exponential's series: the next is below rounding for matrices of norm ½.
+const TERMS: usize = 14;
+
+/// A rotation by less than this `[rad]` has no axis worth its name.
+const NO_AXIS: f64 = 1e-10;
+
+/// `Rᵀ A`, made symmetric: the stretch of `A = R S`.
+#[inline(always)]
+pub(super) fn stretches(maps: &Matrices, rotations: &Matrices) -> Symmetric {
+    let mut found = [[0.0; LANES]; 6];
+    for lane in 0..LANES {
+        let s = |i: usize, j: usize| {
+            let term = |k: usize| rotations[k][i][lane] * maps[k][j][lane];
+            term(0) + term(1) + term(2)
+        };
+        let both = |i: usize, j: usize| 0.5 * (s(i, j) + s(j, i));
+        let entries = [s(0, 0), s(1, 1), s(2, 2), both(1, 2), both(0, 2), both(0, 1)];
+        for (part, entry) in entries.into_iter().enumerate() {
+            found[part][lane] = entry;
+        }
+    }
+    found
+}
+
+/// `log S` of positive definite `S`; where one is none, of the nearest with eigenvalues ≥ 1e-300.
+#[inline(always)]
+pub(super) fn log_symmetric(stretches: &Symmetric) -> Symmetric {
+    let mut diagonal = [stretches[0], stretches[1], stretches[2]];
+    let mut off = [stretches[3], stretches[4], stretches[5]];
+    // Columns are eigenvectors in the end.
+    let mut basis = [[[0.0; LANES]; 3]; 3];
+    for axis in 0..3 {
+        basis[axis][axis] = [1.0; LANES];
+    }
+    for _ in 0..SWEEPS {
+        // `off[k]` is the entry of the two axes that are not `k`.
+        for k in 0..3 {
+            let (p, q) = ((k + 1) % 3, (k + 2) % 3);
+            for lane in 0..LANES {
+                let apq = off[k][lane];
+                let d = diagonal[q][lane] - diagonal[p][lane];
+                // tan of the angle: the smaller root, written so that 0/0 is 0.
+                let root = (d * d + 4.0 * apq * apq).sqrt();
+                let t = 2.0 * apq * d.signum() / (d.abs() + root + f64::MIN_POSITIVE);
+                let c = 1.0 / (1.0 + t * t).sqrt();
+                let s = t * c;
+                diagonal[p][lane] -= t * apq;
+                diagonal[q][lane] += t * apq;
+                off[k][lane] = 0.0;
+                // The third axis' entries with p and q: `off[q]` joins k and p, `off[p]` k and q.
+                let (kp, kq) = (off[q][lane], off[p][lane]);
+                off[q][lane] = c * kp - s * kq;
+                off[p][lane] = s * kp + c * kq;
+                for row in &mut basis {
+                    let (x, y) = (row[p][lane], row[q][lane]);
+                    row[p][lane] = c * x - s * y;
+                    row[q][lane] = s * x + c * y;
+                }
+            }
+        }
+    }
+    for value in diagonal.as_flattened_mut() {
+        *value = value.max(1e-300).ln();
+    }
+    let mut found = [[0.0; LANES]; 6];
+    for (part, (i, j)) in ENTRIES.into_iter().enumerate() {
+        for lane in 0..LANES {
+            let term = |k: usize| basis[i][k][lane] * diagonal[k][lane] * basis[j][k][lane];
+            found[part][lane] = term(0) + term(1) + term(2);
+        }
+    }
+    found
+}
+
+/// Where the numbers of a [`Symmetric`] stand in its matrix.
+const ENTRIES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)];
+
+/// `exp X` of symmetric `X`.
+///
+/// `exp X = e^t exp(X − t I)`, `t = tr X / 3`. Of a matrix `Y` without trace every power is
+/// `a I + b Y + c Y²`, for `Y³ = ½ tr(Y²) Y + det(Y) I` (Cayley & Hamilton): the series of
+/// `exp(Y / 2ˢ)` and its `s` squarings are sums of three numbers.
+#[inline(always)]
+pub(super) fn exp_symmetric(x: &Symmetric) -> Symmetric {
+    let mut y = *x;
+    let (mut trace, mut p, mut q) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+    let mut most = 0.0f64;
+    for lane in 0..LANES {
+        let t = (x[0][lane] + x[1][lane] + x[2][lane]) / 3.0;
+        let [a, b, c] = [0, 1, 2].map(|k| x[k][lane] - t);
+        let [d, e, f] = [3, 4, 5].map(|k| x[k][lane]);
+        for (part, value) in [a, b, c].into_iter().enumerate() {
+            y[part][lane] = value;
+        }
+        trace[lane] = t;
+        p[lane] = 0.5 * (a * a + b * b + c * c) + d * d + e * e + f * f;
+        q[lane] = a * (b * c - d * d) - f * (f * c - d * e) + e * (f * d - b * e);
+    }
+    for p in p {
+        most = most.max(p);
+    }
+    // ‖Y‖ ≤ √(2p), brought below one half.
+    let mut halvings = 0;
+    while most > 0.125 && halvings < 64 {
+        most *= 0.25;
+        halvings += 1;
+    }
+    let share = 0.5f64.powi(halvings);
+    let (mut a, mut b, mut c) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+    for lane in 0..LANES {
+        let p = p[lane] * share * share;
+        let q = q[lane] * share * share * share;
+        let (mut a0, mut b0, mut c0) = (1.0, 0.0, 0.0);
+        // Horner: 1 + Y (1 + Y/2 (1 + Y/3 (…))).
+        for term in (1..=TERMS).rev() {
+            let inverse = 1.0 / term as f64;
+            (a0, b0, c0) = (1.0 + c0 * q * inverse, (a0 + c0 * p) * inverse, b0 * inverse);
+        }
+        for _ in 0..halvings {
+            // (a + bY + cY²)², with Y³ = pY + q and Y⁴ = pY² + qY.
+            let (third, fourth) = (2.0 * b0 * c0, c0 * c0);
+            (a0, b0, c0) = (
+                a0 * a0 + third * q,
+                2.0 * a0 * b0 + third * p + fourth * q,
+                2.0 * a0 * c0 + b0 * b0 + fourth * p,
+            );
+        }
+        (a[lane], b[lane], c[lane]) = (a0, b0, c0);
+    }
+    for value in &mut trace {
+        *value = value.exp();
+    }
+    let mut found = [[0.0; LANES]; 6];
+    for lane in 0..LANES {
+        let [xx, yy, zz, yz, xz, xy] = [0, 1, 2, 3, 4, 5].map(|k| y[k][lane] * share);
+        let squares = [
+            xx * xx + xy * xy + xz * xz,
+            xy * xy + yy * yy + yz * yz,
+            xz * xz + yz * yz + zz * zz,
+            xy * xz + yy * yz + yz * zz,
+            xx * xz + xy * yz + xz * zz,
+            xx * xy + xy * yy + xz * yz,
+        ];
+        let firsts = [xx, yy, zz, yz, xz, xy];
+        for part in 0..6 {
+            let unit = if part < 3 { a[lane] } else { 0.0 };
+            let value = unit + b[lane] * firsts[part] + c[lane] * squares[part];
+            found[part][lane] = trace[lane] * value;
+        }
+    }
+    found
+}
+
+/// The rotation by a vector: `[rad]`, along its axis.
+#[inline(always)]
+pub(super) fn exp_rotations(vectors: &[Lanes; 3]) -> Quaternions {
+    let mut found = [[0.0; LANES]; 4];
+    for lane in 0..LANES {
+        let [x, y, z] = [vectors[0][lane], vectors[1][lane], vectors[2][lane]];
+        let half = 0.5 * (x * x + y * y + z * z).sqrt();
+        let (sine, cosine) = half.sin_cos();
+        // sin(h)/h of a small h is 1 to rounding.
+        let share = if half > 1e-9 { 0.5 * sine / half } else { 0.5 };
+        found[0][lane] = cosine;
+        for (part, along) in [x, y, z].into_iter().enumerate() {
+            found[part + 1][lane] = share * along;
+        }
+    }
+    found
+}
+
+/// The vector of a rotation, of length ≤ π `[rad]`.
+pub(super) fn log_rotation(rotations: &Quaternions, lane: usize) -> [f64; 3] {
+    let [w, x, y, z] = lane_of(rotations, lane);
+    let sine = (x * x + y * y + z * z).sqrt();
+    // A quaternion and its opposite are one rotation.
+    let angle = 2.0 * sine.atan2(w.abs());
+    let share = if sine > 1e-150 { angle / sine } else { 2.0 };
+    [x, y, z].map(|along| share.copysign(w) * along)
+}
+
+/// Of all vectors of one rotation, which differ by whole turns about its axis, the nearest to that
+/// of a neighbour: the continuous logarithm (Kaji 2015, section 5).
+pub(super) fn nearest_branch(principal: [f64; 3], neighbour: [f64; 3]) -> [f64; 3] {
+    use std::f64::consts::TAU;
+    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let angle = dot(principal, principal).sqrt();
+    // No rotation at all has every axis: the neighbour's will do.
+    let axis = if angle < NO_AXIS {
+        let long = dot(neighbour, neighbour).sqrt();
+        if long == 0.0 { return principal } else { neighbour.map(|along| along / long) }
+    } else {
+        principal.map(|along| along / angle)
+    };
+    let along = if angle < NO_AXIS { 0.0 } else { angle };
+    let turns = ((dot(neighbour, axis) - along) / TAU).round();
+    [0, 1, 2].map(|k| principal[k] + turns * TAU * axis[k])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Vector;
+    use nalgebra::{Matrix3, Rotation3, SymmetricEigen};
+    use proptest::prelude::*;
+
+    fn symmetric(entries: [f64; 6]) -> Symmetric {
+        entries.map(|entry| [entry; LANES])
+    }
+
+    fn matrix(symmetric: &Symmetric) -> Matrix3<f64> {
+        let at = |part: usize| symmetric[part][LANES - 1];
+        Matrix3::new(at(0), at(5), at(4), at(5), at(1), at(3), at(4), at(3), at(2))
+    }
+
+    fn by_eigenvalues(of: &Matrix3<f64>, function: fn(f64) -> f64) -> Matrix3<f64> {
+        let eigen = SymmetricEigen::new(*of);
+        let values = Matrix3::from_diagonal(&eigen.eigenvalues.map(function));
+        eigen.eigenvectors * values * eigen.eigenvectors.transpose()
+    }
+
+    proptest! {
+        #[test]
+        fn the_exponential_is_that_of_the_eigenvalues(
+            entries in prop::array::uniform6(-3.0f64..3.0), scale in 0.0f64..2.0,
+        ) {
+            let x = symmetric(entries.map(|entry| entry * scale));
+            let expected = by_eigenvalues(&matrix(&x), f64::exp);
+            let found = matrix(&exp_symmetric(&x));
+            prop_assert!((found - expected).amax() <= 1e-12 * expected.amax());
+        }
+
+        #[test]
+        fn the_logarithm_undoes_the_exponential(
+            entries in prop::array::uniform6(-1.0f64..1.0), scale in 0.0f64..3.0,
+        ) {
+            let x = symmetric(entries.map(|entry| entry * scale));
+            let found = log_symmetric(&exp_symmetric(&x));
+            // What is small beside the greatest is known to its rounding only.
+            let spread = (2.0 * matrix(&x).norm()).exp();
+            prop_assert!((matrix(&found) - matrix(&x)).amax() <= 1e-14 * spread + 1e-13);
+        }
+
+        #[test]
+        fn near_eigenvalues_are_no_trouble(
+            entries in prop::array::uniform6(-1.0f64..1.0), exponent in -16.0f64..0.0,
+        ) {
+            let scale = 10f64.powf(exponent);
+            let x = symmetric(entries.map(|entry| entry * scale));
+            let found = log_symmetric(&exp_symmetric(&x));
+            prop_assert!((matrix(&found) - matrix(&x)).amax() <= 3e-15);
+        }
+
+        #[test]
+        fn vectors_of_rotations_go_there_and_back(vector in prop::array::uniform3(-1.8f64..1.8)) {
+            let quaternions = exp_rotations(&vector.map(|along| [along; LANES]));
+            let turned = crate::rotations::matrix(lane_of(&quaternions, 0));
+            let expected = Rotation3::new(Vector::from(vector));
+            for i in 0..3 {
+                for j in 0..3 {
+                    prop_assert!((turned[i][j] - expected[(i, j)]).abs() < 1e-14);
+                }
+            }
+            let back = log_rotation(&quaternions, 3);
+            for k in 0..3 {
+                prop_assert!((back[k] - vector[k]).abs() < 1e-13);
+            }
+        }
+    }
+
+    #[test]
+    fn turns_go_on_where_the_neighbour_is() {
+        use std::f64::consts::TAU;
+        for turns in -3..=3 {
+            for angle in [0.0, 1e-12, 0.2, 1.5, 3.1] {
+                let whole = f64::from(turns) * TAU + angle;
+                let principal = [0.0, angle, 0.0];
+                let neighbour = [0.1, whole - 0.3, 0.0];
+                let found = nearest_branch(principal, neighbour);
+                let exact = if angle < NO_AXIS { 0.2 * whole.abs() } else { 1e-12 };
+                assert!((found[1] - whole).abs() <= exact, "{turns} {angle}: {found:?}");
+            }
+        }
+    }
+}
