@@ -4,9 +4,9 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context as _, bail};
+use anyhow::bail;
 use handover_mesh::Point;
-use handover_mesh::blend::{BlendSettings, Blended, Blender, Energy, Triangles};
+use handover_mesh::blend::{BlendError, BlendSettings, Blended, Blender, Energy, Triangles};
 use handover_mesh::formats::obj::Obj;
 use handover_mesh::geometry::is_finite;
 use handover_mesh::statistics::median;
@@ -149,13 +149,13 @@ fn blend<'a>(
     output: &Output,
 ) -> anyhow::Result<Found<'a>> {
     let reference = &shapes[0];
-    let cannot = || format!("cannot blend {}", inputs[0].display());
+    let cannot = |error| cannot(&inputs[0], error);
     let positions: Vec<&[Point]> = shapes.iter().map(Obj::positions).collect();
     let vertices = reference.positions().len();
-    let triangles = Triangles::new(vertices, reference.triangles()).with_context(cannot)?;
+    let triangles = Triangles::new(vertices, reference.triangles()).map_err(cannot)?;
     let milliseconds = |since: Instant| since.elapsed().as_secs_f64() * 1e3;
     let start = Instant::now();
-    let blender = Blender::of_triangles(&triangles, &positions, settings).with_context(cannot)?;
+    let blender = Blender::of_triangles(&triangles, &positions, settings).map_err(cannot)?;
     let init_ms = milliseconds(start);
     let mut workspace = blender.workspace();
     let mut places = reference.positions().to_vec();
@@ -182,6 +182,20 @@ fn blend<'a>(
     Ok(Found { settings, blender, vertices, triangles, init_ms, solve_ms, shapes: made })
 }
 
+/// Why not, with vertices counted as files count them.
+fn cannot(reference: &Path, error: BlendError) -> anyhow::Error {
+    let reference = reference.display();
+    let BlendError::NotManifold { edges, vertices } = error else {
+        return anyhow::Error::new(error).context(format!("cannot blend {reference}"));
+    };
+    let edges = edges.into_iter().map(|edge| edge.map(|vertex| vertex + 1)).collect();
+    let vertices = vertices.into_iter().map(|vertex| vertex + 1).collect();
+    let error = BlendError::NotManifold { edges, vertices };
+    anyhow::anyhow!(
+        "cannot blend {reference}: {error} (hint: --tetrisation face takes any triangles)"
+    )
+}
+
 /// What is worth knowing of what was blended, though nothing is lost.
 fn tell(found: &Found<'_>, output: &Output) {
     let (replaced, free) = (found.blender.replaced(), found.blender.free());
@@ -200,16 +214,16 @@ fn tell(found: &Found<'_>, output: &Output) {
     if found.settings.energy == Energy::Transforms {
         return;
     }
-    let open = |shape: &&Shape<'_>| shape.blended.change > found.settings.tolerance;
-    let unfinished = found.shapes.iter().filter(open);
-    let count = unfinished.clone().count();
+    let most = found.settings.iterations;
+    let whole = found.shapes.iter().filter(|shape| shape.blended.iterations >= most);
+    let count = whole.clone().count();
     let change = |shape: &&Shape<'_>| shape.blended.change;
-    if let Some(worst) = unfinished.max_by(|a, b| change(a).total_cmp(&change(b))) {
+    if let Some(worst) = whole.max_by(|a, b| change(a).total_cmp(&change(b))) {
         output.note(&format!(
-            "note: {count} of {} did not converge: in the last of {} {} still changed by {:.1e} of \
-             its size (hint: --iterations)",
+            "note: {count} of {} took all of {}, and in the last a vertex of {} still moved by \
+             {:.1e} (hint: --iterations)",
             counted(found.shapes.len(), "shape"),
-            counted(worst.blended.iterations, "iteration"),
+            counted(most, "iteration"),
             worst.file.display(),
             worst.blended.change,
         ));

@@ -47,11 +47,12 @@ pub(crate) struct Blend {
     #[arg(long, value_name = "R",
           value_parser = PossibleValuesParser::new(Rotation::ALL.map(Rotation::name)))]
     rotation: Option<String>,
-    /// Iterations of the energies s and s_printed at most
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    /// Iterations of the energies s and s_printed at most [default: 100]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     iterations: Option<u32>,
-    /// A change that ends the iterations, as a share of the shape's size
-    #[arg(long, value_name = "X", value_parser = tolerance)]
+    /// An iteration that moves no vertex farther than this share of the reference's extent is the
+    /// last [default: 1e-6]
+    #[arg(long, value_name = "X", value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// Write N shapes on the way from the reference through each -w in turn, ends included
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
@@ -106,10 +107,8 @@ fn weights(text: &str) -> Result<Weights, String> {
     text.split(',').map(weight).collect::<Result<_, _>>().map(Weights)
 }
 
-/// A share of 0 or more.
+/// A share from 0 to 1.
 fn tolerance(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(share) if share.is_finite() && share >= 0.0 => Ok(share),
-        _ => Err("not a number from 0 on".to_owned()),
-    }
+    let share = text.parse().ok().filter(|share| (0.0..=1.0).contains(share));
+    share.ok_or_else(|| "not a number from 0 to 1".to_owned())
 }
