@@ -180,6 +180,33 @@ fn the_json_says_what_was_made() {
     assert_eq!(found["shapes"][1]["file"], "s_001.obj");
 }
 
+/// Names in backquotes in the first column of the tables below a heading.
+fn documented(heading: &str) -> Vec<String> {
+    let document = include_str!("../docs/blend.md");
+    let section = document.split("\n## ").find(|section| section.starts_with(heading)).unwrap();
+    let rows = section.lines().filter(|line| line.starts_with("| `"));
+    let first = rows.map(|row| row.split('|').nth(1).unwrap());
+    first.flat_map(|cell| cell.split('`').skip(1).step_by(2)).map(str::to_owned).collect()
+}
+
+#[test]
+fn what_is_documented_is_what_there_is() {
+    let folder = arms();
+    let found = check_json(&folder, &command("-w 0,0 -o x.obj --json"), 0);
+    assert_eq!(documented("JSON"), keys(&found));
+    let help = check(&folder, &["blend", "--help"], 0, &[]).stdout;
+    let help: String = String::from_utf8(help).unwrap().split_whitespace().collect();
+    let options = documented("Options");
+    assert_eq!(options.len(), 9);
+    for option in options.iter().filter(|option| option.starts_with("--")) {
+        let (name, default) = option.split_once(' ').unwrap();
+        let (_, said) = help.split_once(&format!("{name}<")).unwrap();
+        let default = if default == "N" { String::new() } else { format!("[default:{default}]") };
+        let next = said.find("--").unwrap_or(said.len());
+        assert!(said[..next].contains(&default), "{option}: {said}");
+    }
+}
+
 #[test]
 fn what_did_not_converge_is_noted_and_no_loss() {
     let folder = arms();

@@ -256,13 +256,16 @@ fn text(inputs: &[PathBuf], found: &Found<'_>) -> String {
         median(found.solve_ms.clone()).unwrap_or(f64::NAN)
     );
     for Shape { file, weights, blended } in &found.shapes {
+        let iterations = match energy {
+            Energy::Transforms => String::new(),
+            _ => format!("  {}", counted(blended.iterations, "iteration")),
+        };
         let _ = writeln!(
             text,
-            "{}  weights {}  energy {:.4e}  {}",
+            "{}  weights {}  energy {:.4e}{iterations}",
             file.display(),
             joined(weights),
             blended.energy,
-            counted(blended.iterations, "iteration"),
         );
     }
     text
