@@ -48,9 +48,8 @@ fn blend(criterion: &mut Criterion) {
     for tetrisation in Tetrisation::ALL {
         let kind = tetrisation.name();
         let settings = BlendSettings { tetrisation, ..BlendSettings::default() };
-        let take_apart = |settings| {
-            Blender::of_triangles(&triangles, &[&reference, &pose], settings).unwrap()
-        };
+        let take_apart =
+            |settings| Blender::of_triangles(&triangles, &[&reference, &pose], settings).unwrap();
         group.bench_function(format!("{kind}/init"), |bencher| {
             bencher.iter(|| black_box(take_apart(settings)));
         });
@@ -62,7 +61,8 @@ fn blend(criterion: &mut Criterion) {
                 bencher.iter(|| black_box(transforms.blend(&[0.4], &mut workspace, &mut out)));
             });
             let energy = Energy::Shears;
-            let ten = BlendSettings { energy, rotation, iterations: 10, tolerance: 0.0, ..settings };
+            let ten =
+                BlendSettings { energy, rotation, iterations: 10, tolerance: 0.0, ..settings };
             let shears = take_apart(ten);
             let mut workspace = shears.workspace();
             group.bench_function(format!("{kind}/e_s_10/{}", rotation.name()), |bencher| {

@@ -71,7 +71,9 @@ pub enum BlendError {
     #[error(transparent)]
     Settings(#[from] crate::settings::OutOfBounds),
     /// Tetrahedra so flat, so small or so large that nothing holds a vertex.
-    #[error("the tetrahedra do not determine where the vertices are: some are too flat or too small")]
+    #[error(
+        "the tetrahedra do not determine where the vertices are: some are too flat or too small"
+    )]
     Undetermined,
 }
 

@@ -74,7 +74,8 @@ impl Block {
                 [0, 1, 2, 3].map(|corner| shape[self.corners[corner][lane] as usize]);
             for (side, to) in [b, c, d].into_iter().enumerate() {
                 let side = &mut sides[side];
-                (side[0][lane], side[1][lane], side[2][lane]) = (to.x - a.x, to.y - a.y, to.z - a.z);
+                (side[0][lane], side[1][lane], side[2][lane]) =
+                    (to.x - a.x, to.y - a.y, to.z - a.z);
             }
         }
         let mut maps = [[[0.0; LANES]; 3]; 3];
@@ -102,7 +103,8 @@ impl Block {
             }
         }
         for lane in 0..LANES {
-            let [b, c, d] = pulled.map(|pull| Vector::new(pull[0][lane], pull[1][lane], pull[2][lane]));
+            let [b, c, d] =
+                pulled.map(|pull| Vector::new(pull[0][lane], pull[1][lane], pull[2][lane]));
             for (corner, pull) in [-b - c - d, b, c, d].into_iter().enumerate() {
                 pulls[self.corners[corner][lane] as usize] += pull;
             }

@@ -9,7 +9,8 @@
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
+    factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, Mat, Par, Side};
@@ -245,8 +246,7 @@ struct Eliminated<'a> {
 
 impl<'a> Eliminated<'a> {
     fn new(ghosts: &[GhostRow], shares: &'a [(u32, f64)], vertices: usize) -> Self {
-        let begins: Vec<u32> =
-            std::iter::once(0).chain(ghosts.iter().map(|row| row.end)).collect();
+        let begins: Vec<u32> = std::iter::once(0).chain(ghosts.iter().map(|row| row.end)).collect();
         let mut starts = vec![0u32; vertices + 1];
         shares.iter().for_each(|(vertex, _)| starts[*vertex as usize + 1] += 1);
         for vertex in 0..vertices {
@@ -265,7 +265,8 @@ impl<'a> Eliminated<'a> {
     }
 
     fn at(&self, vertex: u32) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let range = self.starts[vertex as usize] as usize..self.starts[vertex as usize + 1] as usize;
+        let range =
+            self.starts[vertex as usize] as usize..self.starts[vertex as usize + 1] as usize;
         self.at[range].iter().map(|(row, share)| (*row as usize, *share))
     }
 

@@ -87,7 +87,8 @@ impl Structure {
     ///
     /// - `shapes`: one place a vertex, ghosts among them.
     pub(super) fn positive(mut self, shapes: &[Vec<Point>]) -> (Self, usize) {
-        let everywhere = |corners: &[u32; 4]| shapes.iter().all(|shape| is_positive(corners, shape));
+        let everywhere =
+            |corners: &[u32; 4]| shapes.iter().all(|shape| is_positive(corners, shape));
         let kept: Vec<bool> = self.tetrahedra.iter().map(everywhere).collect();
         let mut keep = kept.iter();
         self.tetrahedra.retain(|_| *keep.next().unwrap_or(&false));
@@ -169,9 +170,7 @@ pub(super) fn check_corners<const N: usize>(
         repeated || corners.iter().any(|corner| *corner as usize >= vertices)
     };
     match all.iter().position(is_wrong) {
-        Some(at) => {
-            Err(BlendError::Corners { what, at, corners: all[at].to_vec(), vertices })
-        }
+        Some(at) => Err(BlendError::Corners { what, at, corners: all[at].to_vec(), vertices }),
         None => Ok(()),
     }
 }

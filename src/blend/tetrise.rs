@@ -44,9 +44,15 @@ impl Tetrisation {
 #[derive(Debug, Clone, PartialEq)]
 enum Ghost {
     Face(u32),
-    Edge { ends: [u32; 2], triangles: [u32; 2] },
+    Edge {
+        ends: [u32; 2],
+        triangles: [u32; 2],
+    },
     /// The triangles are a range of [`Tetrised::fans`].
-    Vertex { vertex: u32, fan: [u32; 2] },
+    Vertex {
+        vertex: u32,
+        fan: [u32; 2],
+    },
 }
 
 /// A triangle mesh as tetrahedra.
@@ -198,9 +204,8 @@ impl Tetrised {
     /// Ghosts over the vertices of several triangles.
     fn over_vertices(&mut self) -> Result<Vec<(u32, u32)>, BlendError> {
         let sides = self.triangles.sides();
-        let is_fault = |edge: &&[Side]| {
-            edge.len() > 2 || edge.len() == 2 && edge[0].rises == edge[1].rises
-        };
+        let is_fault =
+            |edge: &&[Side]| edge.len() > 2 || edge.len() == 2 && edge[0].rises == edge[1].rises;
         let edges = sides.chunk_by(|a, b| a.edge == b.edge);
         let faults: Vec<[u32; 2]> = edges.filter(is_fault).map(|edge| edge[0].edge).collect();
         let (starts, fans) = self.triangles.fans();

@@ -361,6 +361,34 @@ pub enum Reason {
     /// The file breaks off in a line, whose last number may have lost digits.
     #[error("the last line has no end: the file is cut (hint: if not, end it with a line break)")]
     LineWithoutEnd,
+    /// A corner of a face that names no vertex.
+    #[error("'{value}' is no corner of a face such as 1, 1/2, 1//3 or 1/2/3")]
+    NotACorner {
+        /// What stands there.
+        value: String,
+    },
+    /// A corner of a face names something that is not in the file.
+    #[error("no {what} {index}: there are {there}, counted from 1, or from -1 backwards")]
+    NoSuchIndex {
+        /// What it would be.
+        what: &'static str,
+        /// Which one.
+        index: i64,
+        /// How many there are in the file.
+        there: usize,
+    },
+    /// Too little for a face.
+    #[error("a face has three corners or more, got {got}")]
+    TooFewCorners {
+        /// Corners the face has.
+        got: usize,
+    },
+    /// A face that touches itself.
+    #[error("the face names vertex {vertex} twice")]
+    RepeatedCorner {
+        /// The vertex, counted from 1.
+        vertex: u64,
+    },
     /// A bag that is none, or of which nothing is whole.
     #[error("no bag: {reason}")]
     NoBag {

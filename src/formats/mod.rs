@@ -1,5 +1,5 @@
 //! Recordings as bytes → [`Recording`]s, and back: CSV, SBU text and bags; one person's motion: ASF
-//! and AMC.
+//! and AMC; shapes: OBJ.
 //!
 //! A reader looks at the whole file and reports every violation it finds, each with its place, so
 //! that a file is mended in one round; what it returns holds everything [`Recording`] promises.
@@ -15,6 +15,7 @@ mod detect;
 mod error;
 mod field;
 mod input;
+pub mod obj;
 mod rate;
 pub mod sbu;
 mod up;

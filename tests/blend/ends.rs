@@ -23,7 +23,8 @@ fn the_ends_are_the_shapes() {
                 let blender = Blender::of_triangles(&triangles, &shapes, settings).unwrap();
                 let mut workspace = blender.workspace();
                 let mut out = shapes[0].to_vec();
-                for (weights, expected) in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].iter().zip(&shapes) {
+                for (weights, expected) in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].iter().zip(&shapes)
+                {
                     let blended = blender.blend(weights, &mut workspace, &mut out);
                     let off = farthest(&out, expected);
                     println!("{settings:?} {weights:?} {off:e} {blended:?} {}", blender.flipped());

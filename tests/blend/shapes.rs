@@ -21,9 +21,8 @@ pub fn bar(twist: f64) -> Vec<Point> {
 /// The same bar, its elliptic sections turned rigidly.
 pub fn turned_bar(twist: f64) -> Vec<Point> {
     let straight = bar(0.0);
-    let turned = straight.iter().map(|place| {
-        Rotation3::new(Vector3::x() * twist * place.x / 4.0) * place
-    });
+    let turned =
+        straight.iter().map(|place| Rotation3::new(Vector3::x() * twist * place.x / 4.0) * place);
     turned.collect()
 }
 

@@ -1,5 +1,7 @@
 //! The command line as data; parsing touches no file.
 
+mod blend;
+
 use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
@@ -9,6 +11,8 @@ use handover_mesh::formats::UpAxis;
 use handover_mesh::learn::LearnMethod;
 use handover_mesh::motion::Neighbourhood;
 use handover_mesh::predict::Method;
+
+pub(crate) use blend::{Blend, Weights};
 
 /// Learns handovers from recordings of two people, and says what recordings hold.
 ///
@@ -51,6 +55,7 @@ pub(crate) enum Command {
     Replay(Replay),
     Evaluate(Evaluate),
     Motion(Motion),
+    Blend(Blend),
     Check(Check),
 }
 
@@ -61,7 +66,7 @@ impl Command {
             Self::Learn(learn) => learn.learning.parameters(),
             Self::Evaluate(evaluate) => evaluate.parameters(),
             Self::Motion(motion) => motion.parameters(),
-            Self::Import(_) | Self::Replay(_) | Self::Check(_) => Vec::new(),
+            Self::Import(_) | Self::Replay(_) | Self::Blend(_) | Self::Check(_) => Vec::new(),
         }
     }
 }

@@ -14,6 +14,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use handover_mesh::Recording;
+use handover_mesh::formats::obj::Obj;
 use handover_mesh::formats::{self, FileError, Format, ReadError, amc, csv};
 use handover_mesh::model::Model;
 use rayon::prelude::*;
@@ -304,6 +305,14 @@ pub(crate) fn read_model(path: &Path) -> Result<Model, Vec<Fault>> {
         let lines = error.to_string();
         lines.lines().map(|line| Fault::of_file(line.to_owned())).collect()
     })
+}
+
+/// A shape (OBJ).
+///
+/// # Errors
+/// If it cannot be read, is larger than any file of ours, or holds no shape: all that is wrong.
+pub(crate) fn read_obj(path: &Path) -> Result<Obj, Vec<Fault>> {
+    Obj::read(&bytes(path)?).map_err(|error| faults(&error))
 }
 
 /// A file's text.

@@ -1,6 +1,7 @@
 //! The command line: files and folders in, recordings through the library, files out.
 
 mod args;
+mod blend;
 mod check;
 mod configuration;
 mod demonstrations;
@@ -86,6 +87,7 @@ fn run(arguments: &Arguments, output: &Output) -> anyhow::Result<Outcome> {
         Command::Replay(replay) => replay::run(replay, global, &config, output),
         Command::Evaluate(evaluate) => evaluate::run(evaluate, &config, output),
         Command::Motion(motion) => motion::run(motion, &config, output),
+        Command::Blend(blend) => blend::run(blend, output),
         Command::Check(check) => check::run(check, output),
     }
 }
