@@ -1,10 +1,12 @@
 //! Shapes and weights → a shape.
 
 use nalgebra::Matrix3;
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 use super::gradients::{self, Block};
-use super::logarithms::{Sums, logarithms, products, rotations_and_stretches, times};
+use super::logarithms::{
+    Sums, add_weighted, logarithms, products, rotations_and_stretches, times,
+};
 use super::normal::{Normal, Room};
 use super::tangent::Symmetric;
 use super::{BlendError, Structure, Tetrisation, Triangles, tetrise};
@@ -110,7 +112,7 @@ pub struct Blended {
 }
 
 /// Vertices that hang together by tetrahedra.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 struct Part {
     /// Its vertices but ghosts.
     vertices: Vec<u32>,
@@ -253,12 +255,8 @@ impl Blender {
         let blocks = gradients::blocks(&structure, &shapes[0]);
         let order = structure.breadth_first();
         let arch = Arch::new();
-        let sums = shapes[1..].iter().map(|shape| {
-            arch.dispatch(
-                #[inline(always)]
-                || logarithms(&blocks, shape, &order, settings.rotation),
-            )
-        });
+        let rotation = settings.rotation;
+        let sums = shapes[1..].iter().map(|shape| logarithms(arch, &blocks, shape, &order, rotation));
         let sums = sums.collect();
         let (part_of_vertex, count) = structure.parts(&order);
         let mut parts: Vec<Part> = (0..count).map(|_| Part::default()).collect();
@@ -372,17 +370,11 @@ impl Blender {
         for pin in &self.pins {
             workspace.shape[*pin as usize] = out[*pin as usize];
         }
-        self.arch.dispatch(
-            #[inline(always)]
-            || self.set_targets(weights, workspace),
-        );
+        self.arch.dispatch(SetTargets { blender: self, weights, workspace });
         self.normal.solve(&mut workspace.pulls, &mut workspace.shape, &mut workspace.room);
         let mut blended = Blended { iterations: 0, energy: 0.0, change: 0.0 };
         if self.settings.energy == Energy::Transforms {
-            blended.energy = self.arch.dispatch(
-                #[inline(always)]
-                || self.energy(workspace),
-            );
+            blended.energy = self.arch.dispatch(MeasureEnergy { blender: self, workspace });
         } else {
             blended = self.iterate(workspace);
             self.turn(workspace);
@@ -392,38 +384,6 @@ impl Blender {
         blended
     }
 
-    /// Blends the maps, and lets them pull.
-    #[inline(always)]
-    fn set_targets(&self, weights: &[f64], workspace: &mut Workspace) {
-        workspace.pulls.fill(Vector::zeros());
-        for (at, block) in self.blocks.iter().enumerate() {
-            let mut sums = [[0.0; LANES]; 9];
-            for (weight, of_shape) in weights.iter().zip(&self.sums) {
-                for (sum, of_shape) in sums.iter_mut().zip(&of_shape[at]) {
-                    for lane in 0..LANES {
-                        sum[lane] += weight * of_shape[lane];
-                    }
-                }
-            }
-            let (rotations, stretches) = rotations_and_stretches(&sums, self.settings.rotation);
-            block.pull(&products(&rotations, &stretches), &mut workspace.pulls);
-            workspace.targets[at] = rotations;
-            workspace.stretches[at] = stretches;
-        }
-    }
-
-    /// `Σ W‖Â − C‖²` of the blended maps.
-    #[inline(always)]
-    fn energy(&self, workspace: &Workspace) -> f64 {
-        let blocks = self.blocks.iter().zip(&workspace.targets).zip(&workspace.stretches);
-        let energies = blocks.map(|((block, rotations), stretches)| {
-            let maps = block.maps(&workspace.shape);
-            let targets = products(rotations, stretches);
-            gradients::squared_differences(&maps, &targets, &block.weights)
-        });
-        energies.sum()
-    }
-
     /// Turns the targets and solves until nothing moves.
     fn iterate(&self, workspace: &mut Workspace) -> Blended {
         workspace.rotations.copy_from_slice(&workspace.targets);
@@ -431,10 +391,7 @@ impl Blender {
         let mut blended = Blended { iterations: 0, energy: 0.0, change: f64::INFINITY };
         while blended.iterations < self.settings.iterations && blended.change > bound {
             workspace.before.copy_from_slice(&workspace.shape[..self.vertices]);
-            blended.energy = self.arch.dispatch(
-                #[inline(always)]
-                || self.turn_targets(workspace),
-            );
+            blended.energy = self.arch.dispatch(TurnTargets { blender: self, workspace });
             self.normal.solve(&mut workspace.pulls, &mut workspace.shape, &mut workspace.room);
             let moved = workspace.before.iter().zip(&workspace.shape);
             let moved = moved.map(|(before, after)| (after - before).norm_squared());
@@ -442,26 +399,6 @@ impl Blender {
             blended.iterations += 1;
         }
         blended
-    }
-
-    /// Turns each target to how its tetrahedron is turned, and lets it pull: the energy before the
-    /// solve.
-    #[inline(always)]
-    fn turn_targets(&self, workspace: &mut Workspace) -> f64 {
-        let Workspace { shape, pulls, rotations, stretches, .. } = workspace;
-        pulls.fill(Vector::zeros());
-        let mut energy = 0.0;
-        for ((block, rotations), stretches) in self.blocks.iter().zip(rotations).zip(&*stretches) {
-            let maps = block.maps(shape);
-            match self.settings.energy {
-                Energy::ShearsPrinted => best_rotations(&maps, rotations),
-                _ => best_rotations(&times(&maps, stretches), rotations),
-            }
-            let targets = products(rotations, stretches);
-            energy += gradients::squared_differences(&maps, &targets, &block.weights);
-            block.pull(&targets, pulls);
-        }
-        energy
     }
 
     /// Turns each part without pins about its mean, so that its maps are nearest to the targets.
@@ -499,9 +436,85 @@ impl Blender {
     }
 }
 
-impl Default for Part {
-    fn default() -> Self {
-        Self { vertices: Vec::new(), means: None }
+/// Blends the maps, and lets them pull.
+struct SetTargets<'a> {
+    blender: &'a Blender,
+    weights: &'a [f64],
+    workspace: &'a mut Workspace,
+}
+
+impl WithSimd for SetTargets<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { blender, weights, workspace } = self;
+        workspace.pulls.fill(Vector::zeros());
+        for (at, block) in blender.blocks.iter().enumerate() {
+            let mut sums = [[0.0; LANES]; 9];
+            for (weight, of_shape) in weights.iter().zip(&blender.sums) {
+                add_weighted(*weight, &of_shape[at], &mut sums);
+            }
+            let (rotations, stretches) = rotations_and_stretches(&sums, blender.settings.rotation);
+            block.pull(&products(&rotations, &stretches), &mut workspace.pulls);
+            workspace.targets[at] = rotations;
+            workspace.stretches[at] = stretches;
+        }
+    }
+}
+
+/// `Σ W‖Â − C‖²` of the blended maps.
+struct MeasureEnergy<'a> {
+    blender: &'a Blender,
+    workspace: &'a Workspace,
+}
+
+impl WithSimd for MeasureEnergy<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        let Self { blender, workspace } = self;
+        let mut energy = 0.0;
+        for (at, block) in blender.blocks.iter().enumerate() {
+            let maps = block.maps(&workspace.shape);
+            let targets = products(&workspace.targets[at], &workspace.stretches[at]);
+            energy += gradients::squared_differences(&maps, &targets, &block.weights);
+        }
+        energy
+    }
+}
+
+/// Turns each target to how its tetrahedron is turned, and lets it pull: the energy before the
+/// solve.
+struct TurnTargets<'a> {
+    blender: &'a Blender,
+    workspace: &'a mut Workspace,
+}
+
+impl WithSimd for TurnTargets<'_> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f64 {
+        let Self { blender, workspace } = self;
+        let Workspace { shape, pulls, rotations, stretches, .. } = workspace;
+        pulls.fill(Vector::zeros());
+        let mut energy = 0.0;
+        for (at, block) in blender.blocks.iter().enumerate() {
+            let (maps, stretches) = (block.maps(shape), &stretches[at]);
+            // In a local array: of that the compiler knows that nothing else is there.
+            let mut turned = rotations[at];
+            match blender.settings.energy {
+                Energy::ShearsPrinted => best_rotations(&maps, &mut turned),
+                _ => best_rotations(&times(&maps, stretches), &mut turned),
+            }
+            let targets = products(&turned, stretches);
+            rotations[at] = turned;
+            energy += gradients::squared_differences(&maps, &targets, &block.weights);
+            block.pull(&targets, pulls);
+        }
+        energy
     }
 }
 

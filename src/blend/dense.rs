@@ -11,10 +11,10 @@
 //! everything is the mean remains.
 
 use nalgebra::DMatrix;
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 use super::gradients::{self, Block};
-use super::logarithms::{Sums, logarithms, products, rotations_and_stretches};
+use super::logarithms::{Sums, add_weighted, logarithms, products, rotations_and_stretches};
 use super::{BlendError, Rotation, Structure};
 use crate::geometry::{Point, Vector, is_finite};
 use crate::rotations::{LANES, Lanes, Matrices};
@@ -133,21 +133,16 @@ impl DenseBlender {
                 doubts: vec![[MOST_DOUBT; LANES]; blocks],
             };
         }
-        self.arch.dispatch(
-            #[inline(always)]
-            || {
-                let doubts = self.blocks.iter().map(|block| doubts(&block.maps(shape)));
-                let doubts: Vec<Lanes> = doubts.collect();
-                let mut sums = logarithms(&self.blocks, shape, &self.order, Rotation::Continuous);
-                for (sums, doubts) in sums.iter_mut().zip(&doubts) {
-                    for lane in (0..LANES).filter(|lane| doubts[*lane] >= MOST_DOUBT) {
-                        // What is inside out has no logarithm.
-                        sums.iter_mut().for_each(|sum| sum[lane] = 0.0);
-                    }
-                }
-                Apart { sums, doubts }
-            },
-        )
+        let doubts: Vec<Lanes> = self.blocks.iter().map(|block| doubts(&block.maps(shape))).collect();
+        let rotation = Rotation::Continuous;
+        let mut sums = logarithms(self.arch, &self.blocks, shape, &self.order, rotation);
+        for (sums, doubts) in sums.iter_mut().zip(&doubts) {
+            for lane in (0..LANES).filter(|lane| doubts[*lane] >= MOST_DOUBT) {
+                // What is inside out has no logarithm.
+                sums.iter_mut().for_each(|sum| sum[lane] = 0.0);
+            }
+        }
+        Apart { sums, doubts }
     }
 
     /// Room for [`Self::blend`].
@@ -173,57 +168,61 @@ impl DenseBlender {
         workspace: &mut DenseWorkspace,
     ) {
         assert_eq!(mean.len(), self.vertices, "one place a vertex");
-        self.arch.dispatch(
-            #[inline(always)]
-            || self.pull(shapes, mean, workspace),
-        );
+        self.arch.dispatch(Blend { blender: self, shapes, mean, workspace });
     }
+}
+
+/// One blend.
+struct Blend<'a, I> {
+    blender: &'a DenseBlender,
+    shapes: I,
+    mean: &'a mut [Point],
+    workspace: &'a mut DenseWorkspace,
+}
+
+impl<'b, I: Iterator<Item = (f64, &'b Apart)> + Clone> WithSimd for Blend<'_, I> {
+    type Output = ();
 
     #[inline(always)]
-    fn pull<'a>(
-        &self,
-        shapes: impl Iterator<Item = (f64, &'a Apart)> + Clone,
-        mean: &mut [Point],
-        workspace: &mut DenseWorkspace,
-    ) {
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { blender, shapes, mean, workspace } = self;
         let DenseWorkspace { pulls, moves } = workspace;
         pulls.fill(Vector::zeros());
-        for (at, block) in self.blocks.iter().enumerate() {
+        for (at, block) in blender.blocks.iter().enumerate() {
             let (mut sums, mut doubt) = ([[0.0; LANES]; 9], [0.0; LANES]);
             for (weight, shape) in shapes.clone() {
-                let (of_shape, doubts) = (&shape.sums[at], &shape.doubts[at]);
-                for (sum, of_shape) in sums.iter_mut().zip(of_shape) {
-                    for lane in 0..LANES {
-                        sum[lane] += weight * of_shape[lane];
-                    }
-                }
+                add_weighted(weight, &shape.sums[at], &mut sums);
+                let doubts = &shape.doubts[at];
                 for lane in 0..LANES {
-                    doubt[lane] += weight * doubts[lane];
+                    doubt[lane] = weight.mul_add(doubts[lane], doubt[lane]);
                 }
             }
             let (rotations, stretches) = rotations_and_stretches(&sums, Rotation::Continuous);
             let (mut asked, maps) = (products(&rotations, &stretches), block.maps(mean));
+            for lane in 0..LANES {
+                doubt[lane] = 1.0 / (1.0 + doubt[lane]);
+            }
             for i in 0..3 {
                 for j in 0..3 {
                     for lane in 0..LANES {
-                        let counts = 1.0 / (1.0 + doubt[lane]);
-                        asked[i][j][lane] = counts * (asked[i][j][lane] - maps[i][j][lane]);
+                        asked[i][j][lane] = doubt[lane] * (asked[i][j][lane] - maps[i][j][lane]);
                     }
                 }
             }
             block.pull(&asked, pulls);
         }
-        let count = self.unknowns.len();
-        for (axis, moves) in moves.iter_mut().enumerate() {
+        let count = blender.unknowns.len();
+        for axis in 0..3 {
+            let moves = &mut moves[axis][..count];
             moves.fill(0.0);
-            for (vertex, row) in self.unknowns.iter().zip(self.inverse.chunks_exact(count)) {
+            for (vertex, row) in blender.unknowns.iter().zip(blender.inverse.chunks_exact(count)) {
                 let pull = pulls[*vertex as usize][axis];
-                for (entry, moved) in row.iter().zip(&mut *moves) {
-                    *moved += entry * pull;
+                for at in 0..count {
+                    moves[at] = pull.mul_add(row[at], moves[at]);
                 }
             }
         }
-        for (at, vertex) in self.unknowns.iter().enumerate() {
+        for (at, vertex) in blender.unknowns.iter().enumerate() {
             mean[*vertex as usize] += Vector::new(moves[0][at], moves[1][at], moves[2][at]);
         }
     }

@@ -68,22 +68,25 @@ impl Block {
     /// `Â` of a shape.
     #[inline(always)]
     pub(super) fn maps(&self, shape: &[Point]) -> Matrices {
+        // Loops all the way: of closures the compiler makes functions that know no vectors.
         let mut sides = [[[0.0; LANES]; 3]; 3];
         for lane in 0..LANES {
-            let [a, b, c, d] =
-                [0, 1, 2, 3].map(|corner| shape[self.corners[corner][lane] as usize]);
-            for (side, to) in [b, c, d].into_iter().enumerate() {
-                let side = &mut sides[side];
-                (side[0][lane], side[1][lane], side[2][lane]) =
-                    (to.x - a.x, to.y - a.y, to.z - a.z);
+            let origin = &shape[self.corners[0][lane] as usize];
+            for side in 0..3 {
+                let to = &shape[self.corners[side + 1][lane] as usize];
+                for axis in 0..3 {
+                    sides[side][axis][lane] = to[axis] - origin[axis];
+                }
             }
         }
         let mut maps = [[[0.0; LANES]; 3]; 3];
         for i in 0..3 {
             for j in 0..3 {
                 for lane in 0..LANES {
-                    let term = |side: usize| sides[side][i][lane] * self.gradients[side][j][lane];
-                    maps[i][j][lane] = term(0) + term(1) + term(2);
+                    let (a, b, c) = (sides[0][i][lane], sides[1][i][lane], sides[2][i][lane]);
+                    let [d, e, f] = &self.gradients;
+                    let first = a.mul_add(d[j][lane], b * e[j][lane]);
+                    maps[i][j][lane] = c.mul_add(f[j][lane], first);
                 }
             }
         }
@@ -93,20 +96,25 @@ impl Block {
     /// Adds `W C bₐ` to each corner: the right-hand side of the minimum of `Σ W‖Â − C‖²`.
     #[inline(always)]
     pub(super) fn pull(&self, maps: &Matrices, pulls: &mut [Vector]) {
-        let mut pulled = [[[0.0; LANES]; 3]; 3];
+        let mut pulled = [[[0.0; LANES]; 3]; 4];
         for corner in 0..3 {
+            let gradient = &self.gradients[corner];
             for i in 0..3 {
                 for lane in 0..LANES {
-                    let term = |j: usize| maps[i][j][lane] * self.gradients[corner][j][lane];
-                    pulled[corner][i][lane] = (term(0) + term(1) + term(2)) * self.weights[lane];
+                    let (a, b, c) = (maps[i][0][lane], maps[i][1][lane], maps[i][2][lane]);
+                    let first = a.mul_add(gradient[0][lane], b * gradient[1][lane]);
+                    let pull = c.mul_add(gradient[2][lane], first) * self.weights[lane];
+                    pulled[corner + 1][i][lane] = pull;
+                    pulled[0][i][lane] -= pull;
                 }
             }
         }
         for lane in 0..LANES {
-            let [b, c, d] =
-                pulled.map(|pull| Vector::new(pull[0][lane], pull[1][lane], pull[2][lane]));
-            for (corner, pull) in [-b - c - d, b, c, d].into_iter().enumerate() {
-                pulls[self.corners[corner][lane] as usize] += pull;
+            for corner in 0..4 {
+                let pull = &mut pulls[self.corners[corner][lane] as usize];
+                for axis in 0..3 {
+                    pull[axis] += pulled[corner][axis][lane];
+                }
             }
         }
     }
@@ -124,5 +132,9 @@ pub(super) fn squared_differences(a: &Matrices, b: &Matrices, weights: &Lanes) -
             }
         }
     }
-    sums.iter().sum()
+    let mut sum = 0.0;
+    for lane in 0..LANES {
+        sum += sums[lane];
+    }
+    sum
 }

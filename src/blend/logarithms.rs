@@ -10,6 +10,8 @@
 //! not give the reference). The determinant of Blend_C is positive whatever the weights, that of
 //! Blend_P need not be.
 
+use pulp::{Arch, Simd, WithSimd};
+
 use super::blender::Rotation;
 use super::gradients::Block;
 use super::tangent::{
@@ -27,37 +29,15 @@ pub(super) type Sums = [Lanes; 9];
 ///
 /// - `shape`: `[m]`, ghosts among them; every tetrahedron positive.
 /// - `order`: each tetrahedron after a neighbour.
-#[inline(always)]
 pub(super) fn logarithms(
+    arch: Arch,
     blocks: &[Block],
     shape: &[Point],
     order: &[(u32, Option<u32>)],
     rotation: Rotation,
 ) -> Vec<Sums> {
-    let sums = blocks.iter().map(|block| {
-        let maps = block.maps(shape);
-        let mut quaternions = IDENTITIES;
-        best_rotations(&maps, &mut quaternions);
-        let mut stretch = stretches(&maps, &matrices(&quaternions));
-        match rotation {
-            Rotation::Continuous => stretch = log_symmetric(&stretch),
-            Rotation::Principal => {
-                for value in stretch[..3].as_flattened_mut() {
-                    *value -= 1.0;
-                }
-            }
-        }
-        let mut sums = [[0.0; LANES]; 9];
-        sums[3..].copy_from_slice(&stretch);
-        for lane in 0..LANES {
-            let vector = log_rotation(&quaternions, lane);
-            for axis in 0..3 {
-                sums[axis][lane] = vector[axis];
-            }
-        }
-        sums
-    });
-    let mut sums: Vec<Sums> = sums.collect();
+    let mut sums: Vec<Sums> = vec![[[0.0; LANES]; 9]; blocks.len()];
+    arch.dispatch(Logarithms { blocks, shape, rotation, sums: &mut sums });
     if rotation == Rotation::Continuous {
         for (here, neighbour) in order {
             let Some(neighbour) = neighbour else { continue };
@@ -75,6 +55,52 @@ pub(super) fn logarithms(
     sums
 }
 
+/// The logarithms of each for itself.
+struct Logarithms<'a> {
+    blocks: &'a [Block],
+    shape: &'a [Point],
+    rotation: Rotation,
+    sums: &'a mut [Sums],
+}
+
+impl WithSimd for Logarithms<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { blocks, shape, rotation, sums } = self;
+        for (sums, block) in sums.iter_mut().zip(blocks) {
+            let maps = block.maps(shape);
+            let mut quaternions = IDENTITIES;
+            best_rotations(&maps, &mut quaternions);
+            let mut stretch = stretches(&maps, &matrices(&quaternions));
+            match rotation {
+                Rotation::Continuous => stretch = log_symmetric(&stretch),
+                Rotation::Principal => add_to_diagonal(&mut stretch, -1.0),
+            }
+            for part in 0..6 {
+                sums[3 + part] = stretch[part];
+            }
+            for lane in 0..LANES {
+                let vector = log_rotation(&quaternions, lane);
+                for axis in 0..3 {
+                    sums[axis][lane] = vector[axis];
+                }
+            }
+        }
+    }
+}
+
+/// `sums + weight · more`.
+#[inline(always)]
+pub(super) fn add_weighted(weight: f64, more: &Sums, sums: &mut Sums) {
+    for part in 0..9 {
+        for lane in 0..LANES {
+            sums[part][lane] = weight.mul_add(more[part][lane], sums[part][lane]);
+        }
+    }
+}
+
 /// The rotations and the stretches that sums stand for.
 #[inline(always)]
 pub(super) fn rotations_and_stretches(sums: &Sums, rotation: Rotation) -> (Quaternions, Symmetric) {
@@ -83,13 +109,18 @@ pub(super) fn rotations_and_stretches(sums: &Sums, rotation: Rotation) -> (Quate
     let mut stretch = [xx, yy, zz, yz, xz, xy];
     match rotation {
         Rotation::Continuous => stretch = exp_symmetric(&stretch),
-        Rotation::Principal => {
-            for value in stretch[..3].as_flattened_mut() {
-                *value += 1.0;
-            }
-        }
+        Rotation::Principal => add_to_diagonal(&mut stretch, 1.0),
     }
     (rotations, stretch)
+}
+
+#[inline(always)]
+fn add_to_diagonal(stretches: &mut Symmetric, value: f64) {
+    for axis in 0..3 {
+        for lane in 0..LANES {
+            stretches[axis][lane] += value;
+        }
+    }
 }
 
 /// `R S`.
@@ -106,8 +137,9 @@ pub(super) fn times(maps: &Matrices, [xx, yy, zz, yz, xz, xy]: &Symmetric) -> Ma
     for i in 0..3 {
         for j in 0..3 {
             for lane in 0..LANES {
-                let term = |k: usize| maps[i][k][lane] * columns[j][k][lane];
-                found[i][j][lane] = term(0) + term(1) + term(2);
+                let (a, b, c) = (maps[i][0][lane], maps[i][1][lane], maps[i][2][lane]);
+                let first = a.mul_add(columns[j][0][lane], b * columns[j][1][lane]);
+                found[i][j][lane] = c.mul_add(columns[j][2][lane], first);
             }
         }
     }

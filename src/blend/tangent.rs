@@ -30,15 +30,14 @@ const NO_AXIS: f64 = 1e-10;
 #[inline(always)]
 pub(super) fn stretches(maps: &Matrices, rotations: &Matrices) -> Symmetric {
     let mut found = [[0.0; LANES]; 6];
-    for lane in 0..LANES {
-        let s = |i: usize, j: usize| {
-            let term = |k: usize| rotations[k][i][lane] * maps[k][j][lane];
-            term(0) + term(1) + term(2)
-        };
-        let both = |i: usize, j: usize| 0.5 * (s(i, j) + s(j, i));
-        let entries = [s(0, 0), s(1, 1), s(2, 2), both(1, 2), both(0, 2), both(0, 1)];
-        for (part, entry) in entries.into_iter().enumerate() {
-            found[part][lane] = entry;
+    for (part, (i, j)) in ENTRIES.into_iter().enumerate() {
+        for lane in 0..LANES {
+            let mut sum = 0.0;
+            for k in 0..3 {
+                sum += rotations[k][i][lane] * maps[k][j][lane];
+                sum += rotations[k][j][lane] * maps[k][i][lane];
+            }
+            found[part][lane] = 0.5 * sum;
         }
     }
     found
@@ -73,22 +72,25 @@ pub(super) fn log_symmetric(stretches: &Symmetric) -> Symmetric {
                 let (kp, kq) = (off[q][lane], off[p][lane]);
                 off[q][lane] = c * kp - s * kq;
                 off[p][lane] = s * kp + c * kq;
-                for row in &mut basis {
-                    let (x, y) = (row[p][lane], row[q][lane]);
-                    row[p][lane] = c * x - s * y;
-                    row[q][lane] = s * x + c * y;
+                for row in 0..3 {
+                    let (x, y) = (basis[row][p][lane], basis[row][q][lane]);
+                    basis[row][p][lane] = c * x - s * y;
+                    basis[row][q][lane] = s * x + c * y;
                 }
             }
         }
     }
-    for value in diagonal.as_flattened_mut() {
-        *value = value.max(1e-300).ln();
+    for axis in 0..3 {
+        for lane in 0..LANES {
+            diagonal[axis][lane] = diagonal[axis][lane].max(1e-300).ln();
+        }
     }
     let mut found = [[0.0; LANES]; 6];
     for (part, (i, j)) in ENTRIES.into_iter().enumerate() {
         for lane in 0..LANES {
-            let term = |k: usize| basis[i][k][lane] * diagonal[k][lane] * basis[j][k][lane];
-            found[part][lane] = term(0) + term(1) + term(2);
+            for k in 0..3 {
+                found[part][lane] += basis[i][k][lane] * diagonal[k][lane] * basis[j][k][lane];
+            }
         }
     }
     found
@@ -109,17 +111,15 @@ pub(super) fn exp_symmetric(x: &Symmetric) -> Symmetric {
     let mut most = 0.0f64;
     for lane in 0..LANES {
         let t = (x[0][lane] + x[1][lane] + x[2][lane]) / 3.0;
-        let [a, b, c] = [0, 1, 2].map(|k| x[k][lane] - t);
-        let [d, e, f] = [3, 4, 5].map(|k| x[k][lane]);
-        for (part, value) in [a, b, c].into_iter().enumerate() {
-            y[part][lane] = value;
-        }
+        let (a, b, c) = (x[0][lane] - t, x[1][lane] - t, x[2][lane] - t);
+        let (d, e, f) = (x[3][lane], x[4][lane], x[5][lane]);
+        (y[0][lane], y[1][lane], y[2][lane]) = (a, b, c);
         trace[lane] = t;
         p[lane] = 0.5 * (a * a + b * b + c * c) + d * d + e * e + f * f;
         q[lane] = a * (b * c - d * d) - f * (f * c - d * e) + e * (f * d - b * e);
     }
-    for p in p {
-        most = most.max(p);
+    for lane in 0..LANES {
+        most = most.max(p[lane]);
     }
     // ‖Y‖ ≤ √(2p), brought below one half.
     let mut halvings = 0;
@@ -149,12 +149,13 @@ pub(super) fn exp_symmetric(x: &Symmetric) -> Symmetric {
         }
         (a[lane], b[lane], c[lane]) = (a0, b0, c0);
     }
-    for value in &mut trace {
-        *value = value.exp();
+    for lane in 0..LANES {
+        trace[lane] = trace[lane].exp();
     }
     let mut found = [[0.0; LANES]; 6];
     for lane in 0..LANES {
-        let [xx, yy, zz, yz, xz, xy] = [0, 1, 2, 3, 4, 5].map(|k| y[k][lane] * share);
+        let (xx, yy, zz) = (y[0][lane] * share, y[1][lane] * share, y[2][lane] * share);
+        let (yz, xz, xy) = (y[3][lane] * share, y[4][lane] * share, y[5][lane] * share);
         let squares = [
             xx * xx + xy * xy + xz * xz,
             xy * xy + yy * yy + yz * yz,
@@ -181,8 +182,8 @@ pub(super) fn exp_rotations(vectors: &[Lanes; 3]) -> Quaternions {
         let [x, y, z] = [vectors[0][lane], vectors[1][lane], vectors[2][lane]];
         square[lane] = 0.25 * (x * x + y * y + z * z);
     }
-    for square in square {
-        most = most.max(square);
+    for lane in 0..LANES {
+        most = most.max(square[lane]);
     }
     // Half the angle, brought below one half; each squaring doubles it again.
     let mut halvings = 0;
@@ -203,20 +204,19 @@ pub(super) fn exp_rotations(vectors: &[Lanes; 3]) -> Quaternions {
             sine = 1.0 - sine * h * of_sine;
         }
         let along = 0.5 * share * sine;
-        let [mut w, mut x, mut y, mut z] = [
-            cosine,
-            along * vectors[0][lane],
-            along * vectors[1][lane],
-            along * vectors[2][lane],
-        ];
+        let mut w = cosine;
+        let mut x = along * vectors[0][lane];
+        let mut y = along * vectors[1][lane];
+        let mut z = along * vectors[2][lane];
         for _ in 0..halvings {
             let twice = 2.0 * w;
             (w, x, y, z) = (w * w - (x * x + y * y + z * z), twice * x, twice * y, twice * z);
         }
         let length = 1.0 / (w * w + x * x + y * y + z * z).sqrt();
-        for (part, value) in [w, x, y, z].into_iter().enumerate() {
-            found[part][lane] = value * length;
-        }
+        found[0][lane] = w * length;
+        found[1][lane] = x * length;
+        found[2][lane] = y * length;
+        found[3][lane] = z * length;
     }
     found
 }
