@@ -4,9 +4,7 @@ use nalgebra::Matrix3;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::gradients::{self, Block};
-use super::logarithms::{
-    Sums, add_weighted, logarithms, products, rotations_and_stretches, times,
-};
+use super::logarithms::{Sums, add_weighted, logarithms, products, rotations_and_stretches, times};
 use super::normal::{Normal, Room};
 use super::tangent::Symmetric;
 use super::{BlendError, Structure, Tetrisation, Triangles, tetrise};
@@ -255,9 +253,6 @@ impl Blender {
         let blocks = gradients::blocks(&structure, &shapes[0]);
         let order = structure.breadth_first();
         let arch = Arch::new();
-        let rotation = settings.rotation;
-        let sums = shapes[1..].iter().map(|shape| logarithms(arch, &blocks, shape, &order, rotation));
-        let sums = sums.collect();
         let (part_of_vertex, count) = structure.parts(&order);
         let mut parts: Vec<Part> = (0..count).map(|_| Part::default()).collect();
         let mut is_known = vec![false; all_vertices];
@@ -285,7 +280,13 @@ impl Blender {
                 part.means = Some(shapes.iter().map(|shape| mean(&part.vertices, shape)).collect());
             }
         }
-        let normal = Normal::new(&structure, &blocks, &is_known)?;
+        let logarithms =
+            |shape: &Vec<Point>| logarithms(arch, &blocks, shape, &order, settings.rotation);
+        let (normal, sums) = rayon::join(
+            || Normal::new(&structure, &blocks, &is_known),
+            || shapes[1..].iter().map(logarithms).collect(),
+        );
+        let normal = normal?;
         let part = |corners: &[u32; 4]| part_of_vertex[corners[0] as usize].unwrap_or(0);
         let part_of = structure.tetrahedra().iter().map(part).collect();
         let tetrahedra = structure.tetrahedra().len();

@@ -133,7 +133,8 @@ impl DenseBlender {
                 doubts: vec![[MOST_DOUBT; LANES]; blocks],
             };
         }
-        let doubts: Vec<Lanes> = self.blocks.iter().map(|block| doubts(&block.maps(shape))).collect();
+        let doubts: Vec<Lanes> =
+            self.blocks.iter().map(|block| doubts(&block.maps(shape))).collect();
         let rotation = Rotation::Continuous;
         let mut sums = logarithms(self.arch, &self.blocks, shape, &self.order, rotation);
         for (sums, doubts) in sums.iter_mut().zip(&doubts) {

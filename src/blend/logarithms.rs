@@ -69,9 +69,10 @@ impl WithSimd for Logarithms<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { blocks, shape, rotation, sums } = self;
+        // Tetrahedra side by side are turned alike: each block begins where the last one ended.
+        let mut quaternions = IDENTITIES;
         for (sums, block) in sums.iter_mut().zip(blocks) {
             let maps = block.maps(shape);
-            let mut quaternions = IDENTITIES;
             best_rotations(&maps, &mut quaternions);
             let mut stretch = stretches(&maps, &matrices(&quaternions));
             match rotation {

@@ -86,17 +86,20 @@ impl Normal {
         is_known: &[bool],
     ) -> Result<Self, BlendError> {
         let (starts, at) = incidence(structure.tetrahedra(), structure.vertices());
-        let corners = |vertex: usize| {
-            let here = &at[starts[vertex] as usize..starts[vertex + 1] as usize];
-            here.iter().map(move |tetrahedron| {
-                let corners = structure.tetrahedra()[*tetrahedron as usize];
+        let gradients =
+            blocks.iter().flat_map(|block| (0..LANES).map(|lane| block.gradients(lane)));
+        let gradients: Vec<[Vector; 4]> = gradients.take(structure.tetrahedra().len()).collect();
+        let add_all = |vertex: usize, row: &mut Row| {
+            for tetrahedron in &at[starts[vertex] as usize..starts[vertex + 1] as usize] {
+                let tetrahedron = *tetrahedron as usize;
+                let corners = &structure.tetrahedra()[tetrahedron];
+                let gradients = &gradients[tetrahedron];
                 let own = corners.iter().position(|corner| *corner as usize == vertex);
-                let (block, lane) = (*tetrahedron as usize / LANES, *tetrahedron as usize % LANES);
-                let block = &blocks[block];
-                let gradients = block.gradients(lane);
-                let own = gradients[own.unwrap_or(0)] * block.weights[lane];
-                (corners, gradients.map(|other| own.dot(&other)))
-            })
+                let own = gradients[own.unwrap_or(0)] * structure.weights()[tetrahedron];
+                for (corner, gradient) in corners.iter().zip(gradients) {
+                    row.add(*corner, own.dot(gradient));
+                }
+            }
         };
         // One row of the matrix at a time, spread out over all vertices.
         let mut row = Row::new(structure.vertices());
@@ -110,7 +113,7 @@ impl Normal {
             } else if is_known[vertex] {
                 Place::Known
             } else if is_ghost && 2 + count as usize <= MOST_JOINED {
-                corners(vertex).for_each(|(corners, entries)| row.add(corners, entries));
+                add_all(vertex, &mut row);
                 let scale = 1.0 / row.entries[vertex];
                 row.drain(|other, entry| {
                     if other as usize != vertex {
@@ -135,11 +138,11 @@ impl Normal {
         let (mut starts, mut rows, mut entries) = (vec![0u32], Vec::new(), Vec::new());
         let mut couplings = Vec::new();
         for (unknown, vertex) in (0u32..).zip(&vertices) {
-            corners(*vertex as usize).for_each(|(corners, entries)| row.add(corners, entries));
+            add_all(*vertex as usize, &mut row);
             for (ghost, share) in eliminated.at(*vertex) {
                 let GhostRow { inverse, .. } = &ghosts[ghost];
                 for (other, other_share) in eliminated.row(ghost) {
-                    row.add_one(*other, -share * other_share / inverse);
+                    row.add(*other, -share * other_share / inverse);
                 }
             }
             row.drain(|other, entry| match places[other as usize] {
@@ -288,15 +291,11 @@ impl Row {
         Self { entries, is_touched, touched: Vec::new() }
     }
 
-    fn add_one(&mut self, vertex: u32, entry: f64) {
+    fn add(&mut self, vertex: u32, entry: f64) {
         if !std::mem::replace(&mut self.is_touched[vertex as usize], true) {
             self.touched.push(vertex);
         }
         self.entries[vertex as usize] += entry;
-    }
-
-    fn add(&mut self, corners: [u32; 4], entries: [f64; 4]) {
-        corners.into_iter().zip(entries).for_each(|(corner, entry)| self.add_one(corner, entry));
     }
 
     /// All entries, rising by vertex; the row is then empty.

@@ -87,8 +87,9 @@ impl Structure {
     ///
     /// - `shapes`: one place a vertex, ghosts among them.
     pub(super) fn positive(mut self, shapes: &[Vec<Point>]) -> (Self, usize) {
-        let everywhere =
-            |corners: &[u32; 4]| shapes.iter().all(|shape| is_positive(corners, shape));
+        let everywhere = |corners: &[u32; 4]| {
+            shapes.iter().all(|shape| is_positive(corners.each_ref().map(|c| &shape[*c as usize])))
+        };
         let kept: Vec<bool> = self.tetrahedra.iter().map(everywhere).collect();
         let mut keep = kept.iter();
         self.tetrahedra.retain(|_| *keep.next().unwrap_or(&false));
@@ -146,17 +147,13 @@ impl Structure {
     }
 }
 
-/// `det(v₁ − v₀, v₂ − v₀, v₃ − v₀)`: six times the volume.
-fn determinant(corners: &[u32; 4], shape: &[Point]) -> f64 {
-    let [a, b, c, d] = corners.map(|corner| shape[corner as usize]);
-    (b - a).cross(&(c - a)).dot(&(d - a))
-}
-
-pub(super) fn is_positive(corners: &[u32; 4], shape: &[Point]) -> bool {
-    let [a, b, c, d] = corners.map(|corner| shape[corner as usize]);
-    let sides = [b - a, c - a, d - a, c - b, d - b, d - c];
-    let longest = sides.iter().map(|side| side.norm_squared()).fold(0.0, f64::max);
-    determinant(corners, shape) > FLAT * longest * longest.sqrt()
+/// Whether `det(v₁ − v₀, v₂ − v₀, v₃ − v₀) > 0`, and not for rounding alone.
+pub(super) fn is_positive([a, b, c, d]: [&Point; 4]) -> bool {
+    let (ab, ac, ad) = (b - a, c - a, d - a);
+    let longest = ab.norm_squared().max(ac.norm_squared()).max(ad.norm_squared());
+    let longest = longest.max((ab - ac).norm_squared()).max((ab - ad).norm_squared());
+    let longest = longest.max((ac - ad).norm_squared());
+    ab.cross(&ac).dot(&ad) > FLAT * longest * longest.sqrt()
 }
 
 /// Whether all corners are vertices, and distinct.

@@ -62,8 +62,6 @@ pub struct Tetrised {
     structure: Structure,
     ghosts: Vec<Ghost>,
     fans: Vec<u32>,
-    /// The triangle each tetrahedron stands on.
-    bases: Vec<u32>,
     flipped: usize,
     replaced: usize,
 }
@@ -90,16 +88,18 @@ pub fn tetrise(
         structure: Structure::with_ghosts(triangles.vertices(), 0, Vec::new()),
         ghosts: Vec::new(),
         fans: Vec::new(),
-        bases: Vec::new(),
         flipped: 0,
         replaced: 0,
     };
+    let normals: Vec<Vec<(Vector, f64)>> =
+        shapes.iter().map(|shape| triangles.normals(shape)).collect();
+    let mut places = vec![Vec::new(); shapes.len()];
     let mut raised = match tetrisation {
         Tetrisation::Face => Vec::new(),
         Tetrisation::Edge => tetrised.over_edges()?,
         Tetrisation::Vertex => tetrised.over_vertices()?,
     };
-    tetrised.flipped = tetrised.keep_positive(&mut raised, shapes);
+    tetrised.flipped = tetrised.keep_positive(&mut raised, shapes, &normals, &mut places);
     let mut has_own = vec![false; triangles.as_slice().len()];
     raised.iter().for_each(|(triangle, _)| has_own[*triangle as usize] = true);
     let lonely = (0u32..).zip(&has_own).filter(|(_, has_own)| !**has_own);
@@ -107,7 +107,7 @@ pub fn tetrise(
     let faces: Vec<u32> = lonely.map(|(triangle, _)| triangle).collect();
     tetrised.ghosts.extend(faces.iter().map(|triangle| Ghost::Face(*triangle)));
     let mut fallback: Vec<(u32, u32)> = faces.into_iter().zip(first..).collect();
-    let flat = tetrised.keep_positive(&mut fallback, shapes);
+    let flat = tetrised.keep_positive(&mut fallback, shapes, &normals, &mut places);
     if tetrisation == Tetrisation::Face {
         tetrised.flipped = flat;
     } else {
@@ -115,7 +115,8 @@ pub fn tetrise(
     }
     raised.append(&mut fallback);
     tetrised.settle(raised);
-    if tetrised.bases.is_empty() { Err(BlendError::Empty) } else { Ok(tetrised) }
+    let is_empty = tetrised.structure.tetrahedra().is_empty();
+    if is_empty { Err(BlendError::Empty) } else { Ok(tetrised) }
 }
 
 impl Tetrised {
@@ -140,15 +141,17 @@ impl Tetrised {
     /// If the shape has not one place a vertex: the caller's bug.
     pub fn with_ghosts(&self, shape: &[Point]) -> Vec<Point> {
         assert_eq!(shape.len(), self.triangles.vertices(), "one place a vertex");
-        let ghosts = self.ghosts.iter().map(|ghost| self.place(ghost, shape));
-        shape.iter().copied().chain(ghosts).collect()
+        let normals = self.triangles.normals(shape);
+        let mut all = Vec::with_capacity(self.structure.vertices());
+        all.extend_from_slice(shape);
+        for ghost in &self.ghosts {
+            all.push(self.place(ghost, shape, &normals));
+        }
+        all
     }
 
-    fn place(&self, ghost: &Ghost, shape: &[Point]) -> Point {
-        let unit = |triangle: u32| {
-            let normal = self.triangles.normal(triangle, shape);
-            Unit::try_new(normal, 0.0).map_or(Vector::zeros(), Unit::into_inner)
-        };
+    fn place(&self, ghost: &Ghost, shape: &[Point], normals: &[(Vector, f64)]) -> Point {
+        let unit = |triangle: u32| normals[triangle as usize].0;
         // Normals that cancel out point nowhere: the ghost stays in the surface, its tetrahedra
         // have no volume and are left out.
         let up = |sum: Vector| Unit::try_new(sum, 1e-9).map_or(Vector::zeros(), Unit::into_inner);
@@ -156,9 +159,8 @@ impl Tetrised {
         match ghost {
             Ghost::Face(triangle) => {
                 let [a, b, c] = self.triangles.as_slice()[*triangle as usize].map(place);
-                let normal = self.triangles.normal(*triangle, shape);
                 let middle = a + ((b - a) + (c - a)) / 3.0;
-                middle + unit(*triangle) * normal.norm().sqrt()
+                middle + unit(*triangle) * normals[*triangle as usize].1.sqrt()
             }
             Ghost::Edge { ends, triangles } => {
                 let [a, b] = ends.map(place);
@@ -168,9 +170,9 @@ impl Tetrised {
                 let fan = &self.fans[fan[0] as usize..fan[1] as usize];
                 let (mut sum, mut area) = (Vector::zeros(), 0.0);
                 for triangle in fan {
-                    let normal = self.triangles.normal(*triangle, shape);
-                    area += 0.5 * normal.norm();
-                    sum += unit(*triangle);
+                    let (unit, length) = &normals[*triangle as usize];
+                    area += 0.5 * length;
+                    sum += unit;
                 }
                 place(*vertex) + area.sqrt() * up(sum)
             }
@@ -257,18 +259,27 @@ impl Tetrised {
     }
 
     /// Leaves out the tetrahedra that are not positive in every shape, and says how many.
-    fn keep_positive(&self, raised: &mut Vec<(u32, u32)>, shapes: &[&[Point]]) -> usize {
-        let vertices = self.triangles.vertices();
-        let all: Vec<Vec<Point>> = shapes.iter().map(|shape| self.with_ghosts(shape)).collect();
+    ///
+    /// - `normals`: the triangles' in each shape.
+    /// - `places`: where the ghosts are in each shape; those not there yet are added.
+    fn keep_positive(
+        &self,
+        raised: &mut Vec<(u32, u32)>,
+        shapes: &[&[Point]],
+        normals: &[Vec<(Vector, f64)>],
+        places: &mut [Vec<Point>],
+    ) -> usize {
         let before = raised.len();
-        let corners = |(triangle, ghost): (u32, u32)| {
-            let [a, b, c] = self.triangles.as_slice()[triangle as usize];
-            [a, b, c, vertices as u32 + ghost]
-        };
-        raised.retain(|tetrahedron| {
-            let corners = corners(*tetrahedron);
-            all.iter().all(|shape| super::structure::is_positive(&corners, shape))
-        });
+        for ((shape, normals), places) in shapes.iter().zip(normals).zip(places) {
+            for ghost in &self.ghosts[places.len()..] {
+                places.push(self.place(ghost, shape, normals));
+            }
+            raised.retain(|(triangle, ghost)| {
+                let [a, b, c] = self.triangles.as_slice()[*triangle as usize];
+                let [a, b, c] = [&shape[a as usize], &shape[b as usize], &shape[c as usize]];
+                super::structure::is_positive([a, b, c, &places[*ghost as usize]])
+            });
+        }
         before - raised.len()
     }
 
@@ -277,7 +288,6 @@ impl Tetrised {
         raised.sort_unstable_by_key(|(triangle, ghost)| (*ghost, *triangle));
         let vertices = self.triangles.vertices();
         let (mut ghosts, mut corners) = (Vec::new(), Vec::with_capacity(raised.len()));
-        self.bases.clear();
         for of_ghost in raised.chunk_by(|a, b| a.1 == b.1) {
             let ghost = (vertices + ghosts.len()) as u32;
             for (triangle, old) in of_ghost {
@@ -286,7 +296,6 @@ impl Tetrised {
                 }
                 let [a, b, c] = self.triangles.as_slice()[*triangle as usize];
                 corners.push([a, b, c, ghost]);
-                self.bases.push(*triangle);
             }
         }
         self.ghosts = ghosts;

@@ -52,10 +52,18 @@ impl Triangles {
         &self.corners
     }
 
-    /// `(v₂ − v₁) × (v₃ − v₁)`: the normal, as long as twice the triangle's area.
-    pub(super) fn normal(&self, triangle: u32, shape: &[Point]) -> Vector {
-        let [a, b, c] = self.corners[triangle as usize].map(|corner| shape[corner as usize]);
-        (b - a).cross(&(c - a))
+    /// Each triangle's `(v₂ − v₁) × (v₃ − v₁)`: its direction (none without area) and length, twice
+    /// the area.
+    pub(super) fn normals(&self, shape: &[Point]) -> Vec<(Vector, f64)> {
+        let mut normals = Vec::with_capacity(self.corners.len());
+        for [a, b, c] in &self.corners {
+            let a = &shape[*a as usize];
+            let normal = (shape[*b as usize] - a).cross(&(shape[*c as usize] - a));
+            let length = normal.norm();
+            let unit = if length > 0.0 { normal / length } else { Vector::zeros() };
+            normals.push((unit, length));
+        }
+        normals
     }
 
     /// The triangles at each vertex: those of vertex `v` are `fans[starts[v]..starts[v + 1]]`.

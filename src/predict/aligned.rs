@@ -70,11 +70,9 @@ impl Alignment {
     /// The blend of the nearest demonstrations: the robot and its partner, `[m]`, `frames × joints`.
     pub(super) fn blend(&self, shapes: &Shapes) -> [Vec<Point>; 2] {
         let (mut robot, mut partner) = (self.mean_robot(), self.mean_partner());
-        let nearest =
-            || self.nearest.iter().map(|(at, weight)| (&self.all[*at], *weight));
-        let here_from_shape = |aligned: &Aligned| {
-            aligned.turn * shapes.turn(aligned.demonstration).inverse()
-        };
+        let nearest = || self.nearest.iter().map(|(at, weight)| (&self.all[*at], *weight));
+        let here_from_shape =
+            |aligned: &Aligned| aligned.turn * shapes.turn(aligned.demonstration).inverse();
         let mean_turn = mean_turn(nearest().map(|(aligned, w)| (here_from_shape(aligned), w)));
         let frames = self.all[self.nearest[0].0].between.len();
         let [robot_joints, partner_joints] = [robot.len() / frames, partner.len() / frames];
@@ -168,9 +166,9 @@ pub(super) fn align(
         place(partner, partner_base, &here_from_demonstration, observation.partner_place(k));
         place(robot, robot_base, &here_from_demonstration, observation.base[k]);
     }
-    let between = places.iter().map(|[partner, _, robot, _]| {
-        here_from_demonstration.rotation * (robot - partner)
-    });
+    let between = places
+        .iter()
+        .map(|[partner, _, robot, _]| here_from_demonstration.rotation * (robot - partner));
     let between = between.collect();
     let turned = here_from_demonstration.rotation * Vector::x();
     let turn = Complex::new(turned.x, turned.y);

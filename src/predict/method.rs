@@ -3,9 +3,7 @@
 use std::sync::Arc;
 
 use super::aligned::{Alignment, align, choose, features};
-use super::{
-    LearnedEdges, PredictSettings, Problem, ReferenceBlend, Shapes, attach, promp, ridge,
-};
+use super::{LearnedEdges, PredictSettings, Problem, ReferenceBlend, Shapes, attach, promp, ridge};
 use crate::demonstration::{Demonstration, Hands, Observation};
 use crate::geometry::{Point, Vector};
 use crate::mesh::MeshError;
@@ -302,8 +300,7 @@ impl Predictor {
             }
             Method::None => {
                 let shapes = self.shapes();
-                let problem =
-                    Problem::new(observation, alignment, shapes, None, &self.settings);
+                let problem = Problem::new(observation, alignment, shapes, None, &self.settings);
                 let no_edges = LearnedEdges::none(alignment.hands);
                 problem.solve(&no_edges, observation, &self.settings)?
             }
