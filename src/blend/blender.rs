@@ -3,6 +3,7 @@
 use nalgebra::Matrix3;
 use pulp::{Arch, Simd, WithSimd};
 
+use super::connections::Connections;
 use super::gradients::{self, Block};
 use super::logarithms::{Sums, add_weighted, logarithms, products, rotations_and_stretches, times};
 use super::normal::{Normal, Room};
@@ -251,9 +252,9 @@ impl Blender {
         }
         let (vertices, all_vertices) = (structure.ghosts().start, structure.vertices());
         let blocks = gradients::blocks(&structure, &shapes[0]);
-        let order = structure.breadth_first();
+        let connections = Connections::new(&structure);
         let arch = Arch::new();
-        let (part_of_vertex, count) = structure.parts(&order);
+        let count = connections.parts();
         let mut parts: Vec<Part> = (0..count).map(|_| Part::default()).collect();
         let mut is_known = vec![false; all_vertices];
         pins.iter().for_each(|pin| is_known[*pin] = true);
@@ -261,10 +262,10 @@ impl Blender {
         let mut linear = Vec::new();
         let places = |vertex: usize| shapes.iter().map(|shape| shape[vertex]).collect();
         for vertex in 0..vertices {
-            match part_of_vertex[vertex] {
+            match connections.part_of_vertex(vertex) {
                 Some(part) => {
-                    parts[part as usize].vertices.push(vertex as u32);
-                    is_pinned[part as usize] |= is_known[vertex];
+                    parts[part].vertices.push(vertex as u32);
+                    is_pinned[part] |= is_known[vertex];
                 }
                 None if !is_known[vertex] => linear.push((vertex as u32, places(vertex))),
                 None => {}
@@ -280,15 +281,15 @@ impl Blender {
                 part.means = Some(shapes.iter().map(|shape| mean(&part.vertices, shape)).collect());
             }
         }
-        let logarithms =
-            |shape: &Vec<Point>| logarithms(arch, &blocks, shape, &order, settings.rotation);
+        let logarithms = |shape: &Vec<Point>| {
+            logarithms(arch, &structure, &connections, &blocks, shape, settings.rotation)
+        };
         let (normal, sums) = rayon::join(
-            || Normal::new(&structure, &blocks, &is_known),
+            || Normal::new(&structure, &connections, &blocks, &is_known),
             || shapes[1..].iter().map(logarithms).collect(),
         );
         let normal = normal?;
-        let part = |corners: &[u32; 4]| part_of_vertex[corners[0] as usize].unwrap_or(0);
-        let part_of = structure.tetrahedra().iter().map(part).collect();
+        let part_of = connections.part_of().to_vec();
         let tetrahedra = structure.tetrahedra().len();
         let extent = extent(&shapes[0][..vertices]);
         let pins = pins.iter().map(|pin| *pin as u32).collect();

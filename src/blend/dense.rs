@@ -13,6 +13,7 @@
 use nalgebra::DMatrix;
 use pulp::{Arch, Simd, WithSimd};
 
+use super::connections::Connections;
 use super::gradients::{self, Block};
 use super::logarithms::{Sums, add_weighted, logarithms, products, rotations_and_stretches};
 use super::{BlendError, Rotation, Structure};
@@ -30,7 +31,8 @@ const MOST_DOUBT: f64 = 1e9;
 pub struct DenseBlender {
     vertices: usize,
     blocks: Vec<Block>,
-    order: Vec<(u32, Option<u32>)>,
+    structure: Structure,
+    connections: Connections,
     /// Which vertices move.
     unknowns: Vec<u32>,
     /// `K⁻¹`, symmetric: `unknowns × unknowns` `[m²]`.
@@ -75,14 +77,14 @@ impl DenseBlender {
         if structure.tetrahedra().is_empty() {
             return Err(BlendError::Empty);
         }
-        let order = structure.breadth_first();
-        let (part_of, parts) = structure.parts(&order);
-        let is_held = |part: u32| pins.iter().any(|pin| part_of[*pin] == Some(part));
-        if !(0..parts as u32).all(is_held) {
+        let connections = Connections::new(&structure);
+        let part_of = |vertex: usize| connections.part_of_vertex(vertex);
+        let is_held = |part: usize| pins.iter().any(|pin| part_of(*pin) == Some(part));
+        if !(0..connections.parts()).all(is_held) {
             return Err(BlendError::Undetermined);
         }
         let blocks = gradients::blocks(&structure, rest);
-        let moves = |vertex: &usize| part_of[*vertex].is_some() && !pins.contains(vertex);
+        let moves = |vertex: &usize| part_of(*vertex).is_some() && !pins.contains(vertex);
         let unknowns: Vec<u32> = (0..vertices).filter(moves).map(|vertex| vertex as u32).collect();
         let mut place = vec![None; vertices];
         unknowns.iter().enumerate().for_each(|(at, vertex)| place[*vertex as usize] = Some(at));
@@ -105,7 +107,7 @@ impl DenseBlender {
         if inverse.iter().any(|entry: &f64| !entry.is_finite()) {
             return Err(BlendError::Undetermined);
         }
-        Ok(Self { vertices, blocks, order, unknowns, inverse, arch: Arch::new() })
+        Ok(Self { vertices, structure, connections, blocks, unknowns, inverse, arch: Arch::new() })
     }
 
     /// How many vertices there are.
@@ -115,7 +117,7 @@ impl DenseBlender {
 
     /// How many tetrahedra there are.
     pub fn tetrahedra(&self) -> usize {
-        self.order.len()
+        self.structure.tetrahedra().len()
     }
 
     /// Takes a shape apart.
@@ -135,8 +137,9 @@ impl DenseBlender {
         }
         let doubts: Vec<Lanes> =
             self.blocks.iter().map(|block| doubts(&block.maps(shape))).collect();
+        let Self { structure, connections, blocks, arch, .. } = self;
         let rotation = Rotation::Continuous;
-        let mut sums = logarithms(self.arch, &self.blocks, shape, &self.order, rotation);
+        let mut sums = logarithms(*arch, structure, connections, blocks, shape, rotation);
         for (sums, doubts) in sums.iter_mut().zip(&doubts) {
             for lane in (0..LANES).filter(|lane| doubts[*lane] >= MOST_DOUBT) {
                 // What is inside out has no logarithm.

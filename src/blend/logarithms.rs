@@ -12,7 +12,9 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
+use super::Structure;
 use super::blender::Rotation;
+use super::connections::Connections;
 use super::gradients::Block;
 use super::tangent::{
     Symmetric, exp_rotations, exp_symmetric, log_rotation, log_symmetric, nearest_branch, stretches,
@@ -22,37 +24,113 @@ use crate::rotations::{
     IDENTITIES, LANES, Lanes, Matrices, Quaternions, best_rotations, lane_of, matrix,
 };
 
+/// From how many beginnings a continuous logarithm is tried at most.
+const BEGINNINGS: usize = 4;
+
 /// Eight tetrahedra: the rotation's vector `[rad]`, then the stretch's `xx yy zz yz xz xy`.
 pub(super) type Sums = [Lanes; 9];
 
 /// A shape's tetrahedra, each as numbers that may be added.
 ///
 /// - `shape`: `[m]`, ghosts among them; every tetrahedron positive.
-/// - `order`: each tetrahedron after a neighbour.
+///
+/// The continuous logarithm goes breadth-first through what hangs together: each tetrahedron takes
+/// the branch nearest to the mean of those before it at its corners, so that one that is turned oddly
+/// leads nobody astray. It begins with the one that is turned least; as that may have come there by
+/// a whole turn, it begins again where it went beyond half a turn, and of a few such beginnings the
+/// one that turns all together least counts.
 pub(super) fn logarithms(
     arch: Arch,
+    structure: &Structure,
+    connections: &Connections,
     blocks: &[Block],
     shape: &[Point],
-    order: &[(u32, Option<u32>)],
     rotation: Rotation,
 ) -> Vec<Sums> {
     let mut sums: Vec<Sums> = vec![[[0.0; LANES]; 9]; blocks.len()];
     arch.dispatch(Logarithms { blocks, shape, rotation, sums: &mut sums });
     if rotation == Rotation::Continuous {
-        for (here, neighbour) in order {
-            let Some(neighbour) = neighbour else { continue };
-            let vector = |at: u32| {
-                let (block, lane) = (at as usize / LANES, at as usize % LANES);
-                [0, 1, 2].map(|axis| sums[block][axis][lane])
-            };
-            let nearest = nearest_branch(vector(*here), vector(*neighbour));
-            let (block, lane) = (*here as usize / LANES, *here as usize % LANES);
+        let principal = sums
+            .iter()
+            .flat_map(|sums| (0..LANES).map(|lane| [sums[0][lane], sums[1][lane], sums[2][lane]]));
+        let principal: Vec<[f64; 3]> = principal.take(structure.tetrahedra().len()).collect();
+        for (at, vector) in continuous(structure, connections, &principal).into_iter().enumerate() {
             for axis in 0..3 {
-                sums[block][axis][lane] = nearest[axis];
+                sums[at / LANES][axis][at % LANES] = vector[axis];
             }
         }
     }
     sums
+}
+
+/// The branches of rotations' vectors that are continuous over neighbours and turn least.
+fn continuous(
+    structure: &Structure,
+    connections: &Connections,
+    principal: &[[f64; 3]],
+) -> Vec<[f64; 3]> {
+    let square = |vector: &[f64; 3]| vector.iter().map(|along| along * along).sum::<f64>();
+    let turning = |vectors: &[[f64; 3]]| {
+        let mut sums = vec![0.0; connections.parts()];
+        for (part, vector) in connections.part_of().iter().zip(vectors) {
+            sums[*part as usize] += square(vector);
+        }
+        sums
+    };
+    let from_least = |rank: &dyn Fn(usize) -> f64| {
+        go_on(structure, &connections.breadth_first(structure, rank), principal)
+    };
+    let mut best = from_least(&|at| square(&principal[at]));
+    let mut least = turning(&best);
+    for _ in 1..BEGINNINGS {
+        let is_beyond = |at: usize| square(&best[at]) > square(&principal[at]) + 1e-6;
+        if !(0..principal.len()).any(is_beyond) {
+            break;
+        }
+        let rank = |at: usize| square(&principal[at]) + if is_beyond(at) { 0.0 } else { 1e3 };
+        let other = from_least(&rank);
+        let turns = turning(&other);
+        for (at, part) in connections.part_of().iter().enumerate() {
+            if turns[*part as usize] < least[*part as usize] {
+                best[at] = other[at];
+            }
+        }
+        for (least, turns) in least.iter_mut().zip(turns) {
+            *least = least.min(turns);
+        }
+    }
+    best
+}
+
+/// Each vector's branch nearest to those before it.
+fn go_on(structure: &Structure, order: &[u32], principal: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let mut vectors = principal.to_vec();
+    // The sum of those before at each vertex, and how many they are.
+    let mut before = vec![[0.0; 4]; structure.vertices()];
+    for here in order {
+        let corners = structure.tetrahedra()[*here as usize];
+        let mut mean = [0.0; 4];
+        for corner in corners {
+            let sum = before[corner as usize];
+            if sum[3] > 0.0 {
+                for part in 0..4 {
+                    mean[part] += sum[part] / sum[3];
+                }
+            }
+        }
+        let vector = &mut vectors[*here as usize];
+        if mean[3] > 0.0 {
+            *vector = nearest_branch(*vector, [0, 1, 2].map(|axis| mean[axis] / mean[3]));
+        }
+        for corner in corners {
+            let sum = &mut before[corner as usize];
+            for axis in 0..3 {
+                sum[axis] += vector[axis];
+            }
+            sum[3] += 1.0;
+        }
+    }
+    vectors
 }
 
 /// The logarithms of each for itself.

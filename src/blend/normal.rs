@@ -15,8 +15,8 @@ use faer::sparse::linalg::cholesky::{
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
 use faer::{Conj, Mat, Par, Side};
 
+use super::connections::Connections;
 use super::gradients::Block;
-use super::structure::incidence;
 use super::{BlendError, Structure};
 use crate::geometry::{Point, Vector};
 use crate::rotations::LANES;
@@ -82,15 +82,15 @@ impl Normal {
     /// [`BlendError::Undetermined`].
     pub(super) fn new(
         structure: &Structure,
+        connections: &Connections,
         blocks: &[Block],
         is_known: &[bool],
     ) -> Result<Self, BlendError> {
-        let (starts, at) = incidence(structure.tetrahedra(), structure.vertices());
         let gradients =
             blocks.iter().flat_map(|block| (0..LANES).map(|lane| block.gradients(lane)));
         let gradients: Vec<[Vector; 4]> = gradients.take(structure.tetrahedra().len()).collect();
         let add_all = |vertex: usize, row: &mut Row| {
-            for tetrahedron in &at[starts[vertex] as usize..starts[vertex + 1] as usize] {
+            for tetrahedron in connections.at(vertex) {
                 let tetrahedron = *tetrahedron as usize;
                 let corners = &structure.tetrahedra()[tetrahedron];
                 let gradients = &gradients[tetrahedron];
@@ -106,13 +106,13 @@ impl Normal {
         let mut places: Vec<Place> = Vec::with_capacity(structure.vertices());
         let (mut unknowns, mut ghosts, mut shares) = (0, Vec::new(), Vec::new());
         for vertex in 0..structure.vertices() {
-            let count = starts[vertex + 1] - starts[vertex];
+            let count = connections.at(vertex).len();
             let is_ghost = structure.ghosts().contains(&vertex);
             places.push(if count == 0 {
                 Place::Absent
             } else if is_known[vertex] {
                 Place::Known
-            } else if is_ghost && 2 + count as usize <= MOST_JOINED {
+            } else if is_ghost && 2 + count <= MOST_JOINED {
                 add_all(vertex, &mut row);
                 let scale = 1.0 / row.entries[vertex];
                 row.drain(|other, entry| {

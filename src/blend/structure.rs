@@ -1,4 +1,4 @@
-//! Tetrahedra over vertices: what is at a vertex, what hangs together.
+//! Tetrahedra over vertices.
 
 use std::ops::Range;
 
@@ -97,53 +97,6 @@ impl Structure {
         self.weights.retain(|_| *keep.next().unwrap_or(&false));
         let flipped = kept.len() - self.tetrahedra.len();
         (self, flipped)
-    }
-
-    /// The tetrahedra in an order in which each but the first of those that hang together shares a
-    /// vertex with an earlier one: `(tetrahedron, the earlier one)`.
-    pub(super) fn breadth_first(&self) -> Vec<(u32, Option<u32>)> {
-        let (starts, at) = incidence(&self.tetrahedra, self.vertices);
-        let mut order = Vec::with_capacity(self.tetrahedra.len());
-        let mut is_reached = vec![false; self.tetrahedra.len()];
-        let mut is_spent = vec![false; self.vertices];
-        for seed in 0..self.tetrahedra.len() {
-            if is_reached[seed] {
-                continue;
-            }
-            is_reached[seed] = true;
-            let mut next = order.len();
-            order.push((seed as u32, None));
-            while let Some((here, _)) = order.get(next).copied() {
-                next += 1;
-                // The last corner first: around a ghost neighbours share a face.
-                for corner in self.tetrahedra[here as usize].iter().rev() {
-                    let corner = *corner as usize;
-                    if std::mem::replace(&mut is_spent[corner], true) {
-                        continue;
-                    }
-                    for other in &at[starts[corner] as usize..starts[corner + 1] as usize] {
-                        if !std::mem::replace(&mut is_reached[*other as usize], true) {
-                            order.push((*other, Some(here)));
-                        }
-                    }
-                }
-            }
-        }
-        order
-    }
-
-    /// Which of the parts that hang together each vertex belongs to, and how many there are; none of
-    /// a vertex in no tetrahedron.
-    pub(super) fn parts(&self, order: &[(u32, Option<u32>)]) -> (Vec<Option<u32>>, usize) {
-        let mut parts = vec![None; self.vertices];
-        let mut count = 0;
-        for (tetrahedron, earlier) in order {
-            count += u32::from(earlier.is_none());
-            for corner in self.tetrahedra[*tetrahedron as usize] {
-                parts[corner as usize] = Some(count - 1);
-            }
-        }
-        (parts, count as usize)
     }
 }
 
