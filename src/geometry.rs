@@ -6,7 +6,11 @@
 //!
 //! Knows nothing of people, joints or time.
 
-use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
+use std::f64::consts::PI;
+
+use nalgebra::{
+    Isometry3, Matrix3, Point3, Quaternion, Rotation3, Translation3, Unit, UnitQuaternion, Vector3,
+};
 
 /// A place `[m]`.
 pub type Point = Point3<f64>;
@@ -24,6 +28,19 @@ pub fn is_finite(point: &Point) -> bool {
 pub fn direction_or(vector: Vector, fallback: Vector) -> Vector {
     let length = vector.norm();
     if length > 1e-12 { vector / length } else { fallback }
+}
+
+/// The smallest rotation that turns one direction into another; none where one of them has no
+/// length. Opposite directions have no smallest one: a half turn about an axis across them.
+pub fn smallest_rotation(from: Vector, to: Vector) -> UnitQuaternion<f64> {
+    let (Some(from), Some(to)) = (from.try_normalize(1e-12), to.try_normalize(1e-12)) else {
+        return UnitQuaternion::identity();
+    };
+    let half = Quaternion::from_parts(1.0 + from.dot(&to), from.cross(&to));
+    UnitQuaternion::try_new(half, 1e-9).unwrap_or_else(|| {
+        let across = from.cross(&Vector::ith(from.iamin(), 1.0));
+        UnitQuaternion::from_axis_angle(&Unit::new_normalize(across), PI)
+    })
 }
 
 /// A turn about the vertical through the origin, then a shift: `a_from_b`.

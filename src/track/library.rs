@@ -366,11 +366,11 @@ pub(super) fn squared_distance(a: &[f64], b: &[f64]) -> f64 {
 
 /// Which of a moment's features are velocities.
 fn velocities(partner: &Skeleton) -> Range<usize> {
-    3 * (partner.len() - 1)..Moment::feature_count(partner.len())
+    3 * (partner.own() - 1)..Moment::feature_count(partner.own())
 }
 
 fn feature_count(partner: &Skeleton) -> usize {
-    Moment::feature_count(partner.len()) + 1
+    Moment::feature_count(partner.own()) + 1
 }
 
 /// What a moment is known by: the partner's places and velocities in their own frame, and how far
