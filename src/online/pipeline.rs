@@ -90,19 +90,13 @@ impl Pipeline {
         edges: bool,
     ) -> Result<Self, OnlineError> {
         let settings = &model.settings;
-        let library = &model.library;
         let partner = model.library.skeleton(Who::Partner).clone();
         // Of what rides on the partner's joints it is enough to know how it sits.
         let (joints, own) = (partner.len(), Arc::new(partner.without_attached()));
         let filter = Filter::new(own, model.library.base(Who::Partner), settings.filter.clone());
         let robot = model.library.skeleton(Who::Robot).clone();
         let base = model.library.base(Who::Robot);
-        let pose: Vec<Point> = library
-            .skeleton(Who::Partner)
-            .joints()
-            .map(|joint| library.position(0, Who::Partner, 0.0, joint))
-            .collect();
-        let demonstrated = Riders::new(library.skeleton(Who::Partner), &pose);
+        let demonstrated = model.library.riders(Who::Partner);
         let gate = SafetyGate::new(robot, base, robot_lengths, settings.safety.clone())?;
         Ok(Self {
             filter,

@@ -105,6 +105,40 @@ impl Riders {
 }
 
 impl Skeleton {
+    /// As [`Self::new`], where the last joints are attached: each rides on one of the others.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn new_with_attached(
+        mut names: Vec<String>,
+        bones: &[[usize; 2]],
+        attached: usize,
+    ) -> Result<Self, SkeletonError> {
+        let own = names.len().saturating_sub(attached);
+        let riders = names.split_off(own);
+        let (last, first): (Vec<_>, Vec<_>) = bones.iter().partition(|[_, child]| *child >= own);
+        let mut skeleton = Self::new(names, &first)?;
+        for (at, name) in (own..).zip(&riders) {
+            let mut ends = last.iter().filter(|[_, child]| *child == at);
+            let joint = match (ends.next(), ends.next()) {
+                (Some([parent, _]), None) => skeleton.joints().take(own).nth(*parent),
+                _ => None,
+            };
+            let fault = || {
+                let problem = "to ride on one joint of the body";
+                SkeletonError::NotATree { joint: name.clone(), problem }
+            };
+            skeleton = skeleton.with_attached(joint.ok_or_else(fault)?, &[name.clone()])?;
+        }
+        match last.into_iter().find(|[_, child]| *child >= own + riders.len()) {
+            Some([_, child]) => {
+                let problem = "a bone but is no joint";
+                Err(SkeletonError::NotATree { joint: format!("#{child}"), problem })
+            }
+            None => Ok(skeleton),
+        }
+    }
+
     /// Shifts a joint, and what rides on it, `by` `[m]`.
     ///
     /// - `pose`: `[m]`, one point per joint.

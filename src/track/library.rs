@@ -12,7 +12,7 @@ use crate::forecast::Moment;
 use crate::geometry::{Point, Vector};
 use crate::motion::{Dimensions, MotionError, Pca, Rows};
 use crate::settings::OutOfBounds;
-use crate::skeleton::{JointId, Sequence, SequenceError, Skeleton};
+use crate::skeleton::{JointId, Riders, Sequence, SequenceError, Skeleton};
 use crate::statistics::quantile;
 use crate::time::{Span, Stamp};
 
@@ -321,6 +321,14 @@ impl Library {
         let [before, after] =
             [frame.floor(), frame.ceil()].map(|frame| &points[frame as usize * joints..][..joints]);
         Between { before, after, part: frame.fract() }
+    }
+
+    /// How what rides on a person's joints sits on them at the start of the first demonstration.
+    pub fn riders(&self, who: Who) -> Riders {
+        let skeleton = self.skeleton(who);
+        let pose: Vec<Point> =
+            skeleton.joints().map(|joint| self.position(0, who, 0.0, joint)).collect();
+        Riders::new(skeleton, &pose)
     }
 
     /// From a person's base to a joint of theirs in a demonstration: `[m]`, as it was recorded.

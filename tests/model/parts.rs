@@ -71,7 +71,7 @@ pub(crate) fn recording(name: &str, which: usize, object: bool) -> Arc<Recording
     let people =
         [("giver", 0.0), ("receiver", 1.0)].map(|(n, x)| person(n, motion(skeleton(which), 3, x)));
     let places = vec![(Stamp(0), Point::origin())];
-    let object = object.then(|| ObjectTrack { name: "cup".to_owned(), places });
+    let object = object.then(|| ObjectTrack::of_point("cup", places));
     let metadata = BTreeMap::from([("class".to_owned(), "07 \"ä\"\n".to_owned())]);
     Recording::new(name, people, object, metadata).unwrap().into()
 }
