@@ -193,6 +193,7 @@ impl Pipeline {
         let Self { model, filter, perception, riders, places, .. } = self;
         let own = model.library.skeleton(Who::Partner).own();
         let sighting = input.sighting.map(|sighting| {
+            assert_eq!(sighting.positions.len(), places.len(), "one place for each joint");
             riders.take(sighting.positions);
             own_joints(sighting, own)
         });
