@@ -14,8 +14,8 @@ impl Model {
         Layout::of_model(frames, self.pair().len(), edges.edges().len(), edges.phases())
     }
 
-    /// The oldest version that holds it.
-    fn format_version(&self) -> u64 {
+    /// The version of the format that it is written in: the oldest that holds it.
+    pub fn format_version(&self) -> u64 {
         let skeletons = [Role::First, Role::Second].map(|role| self.pair().skeleton(role));
         if skeletons.iter().any(|skeleton| skeleton.attached().len() > 0) { 2 } else { 1 }
     }

@@ -128,7 +128,8 @@ impl Skeleton {
                 let problem = "to ride on one joint of the body";
                 SkeletonError::NotATree { joint: name.clone(), problem }
             };
-            skeleton = skeleton.with_attached(joint.ok_or_else(fault)?, &[name.clone()])?;
+            skeleton =
+                skeleton.with_attached(joint.ok_or_else(fault)?, std::slice::from_ref(name))?;
         }
         match last.into_iter().find(|[_, child]| *child >= own + riders.len()) {
             Some([_, child]) => {

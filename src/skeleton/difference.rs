@@ -32,8 +32,8 @@ pub fn joint_differences(people: [(&str, &Skeleton, &Skeleton); 2]) -> Option<St
             bone.map_or("", |bone| of.name(bone.parent)).to_owned()
         };
         let moved = skeleton.attached().zip(usual.attached());
-        let moved = moved.map(|(a, b)| (a, place(skeleton, a), place(usual, b)));
-        let moved = moved.filter(|(_, here, there)| here != there).next();
+        let mut moved = moved.map(|(a, b)| (a, place(skeleton, a), place(usual, b)));
+        let moved = moved.find(|(_, here, there)| here != there);
         if let (true, Some((rider, here, there))) = (what.is_empty(), moved) {
             format!("{name}: {} rides on {here}, not on {there}", skeleton.name(rider))
         } else if what.is_empty() {

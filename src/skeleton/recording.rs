@@ -178,8 +178,8 @@ impl Recording {
             if points.is_empty() {
                 return Err(RecordingError::ObjectWithoutPoints);
             }
-            if let Some([first, _]) = points.array_windows().find(|[a, b]| a.name == b.name) {
-                return Err(RecordingError::SamePoint { name: first.name.clone() });
+            if let Some(same) = points.windows(2).find(|pair| pair[0].name == pair[1].name) {
+                return Err(RecordingError::SamePoint { name: same[0].name.clone() });
             }
             for point in points {
                 StampsError::check(point.places.iter().map(|(stamp, _)| *stamp))
