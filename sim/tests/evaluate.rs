@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use handover_mesh::demonstration::{Demonstration, with_object_carried};
 use handover_mesh::evaluate::{EvaluateSettings, Figure, Figures, Trial, leave_one_out};
-use handover_mesh::learn::LearnSettings;
-use handover_mesh::mesh::InitialEdges;
+use handover_mesh::learn::{LearnSettings, Lessons};
+use handover_mesh::mesh::{Edge, InitialEdges};
 use handover_mesh::predict::{Method, PredictSettings, Predictor};
 use handover_mesh::{Frame, Part, Point, Recording, Role, Sequence, Side, Vector};
 use handover_sim::generate;
@@ -208,6 +208,13 @@ fn figures_count_people_only() {
     let object = pair.vertices(Role::First).nth(15).unwrap();
     assert_eq!(pair.name(object, ["giver", "receiver"]), "giver/object");
     assert!(topology.neighbours(object.index()).len() > 3, "more than its bone");
+    // What is learned may end at it.
+    let groups: Vec<String> = (0..5).map(|group| group.to_string()).collect();
+    let settings = LearnSettings { references: 1, ..LearnSettings::default() };
+    let lessons = Lessons::of(&b, &groups, &[], &settings).unwrap();
+    let hand = pair.vertices(Role::Second).nth(8).unwrap();
+    assert_eq!(lessons.candidates().len(), 16 * 15);
+    assert!(lessons.candidates().contains(&Edge::new(object, hand)));
 }
 
 #[test]
