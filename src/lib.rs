@@ -43,8 +43,8 @@ pub mod track;
 pub use config::{Config, ConfigError, NodeSettings, RobotState};
 pub use geometry::{Isometry, Point, Vector};
 pub use skeleton::{
-    Bone, Frame, JointId, ObjectTrack, Part, Person, Recording, RecordingError, Role, Sequence,
-    SequenceError, Side, Skeleton, SkeletonError,
+    Bone, Frame, JointId, ObjectTrack, Part, Person, PointTrack, Recording, RecordingError, Role,
+    Sequence, SequenceError, Side, Skeleton, SkeletonError,
 };
 pub use time::{Span, Stamp};
 

@@ -12,7 +12,10 @@ use std::path::Path;
 
 use clips::{FIGURES, FRAMES, METHODS, clips, keys};
 use common::{check, check_json, folder};
+use handover_mesh::formats::{self, UpAxis, csv};
+use handover_mesh::{ObjectTrack, Recording, Vector};
 use serde_json::{Value, json};
+use tempfile::TempDir;
 
 const EVALUATE: [&str; 4] = ["evaluate", "clips", "--protocol", "leave_one_out"];
 
@@ -55,6 +58,50 @@ fn the_json_has_the_promised_shape() {
     }
     let contact = |method: &str| found["summary"][method]["contact_cm"]["mean"].as_f64().unwrap();
     assert!(contact("mesh") < 0.5 * contact("hold"), "{} {}", contact("mesh"), contact("hold"));
+}
+
+/// Clips with an object in the giver's right hand until the hands meet, then in the receiver's; the
+/// first `without` have none.
+fn clips_with_object(count: u32, without: u32) -> TempDir {
+    let folder = clips(count);
+    for number in without..count {
+        let path = folder.path().join(format!("clips/{number}.csv"));
+        let clip = formats::read(&fs::read(&path).unwrap(), "clip", UpAxis::Z).unwrap();
+        let places = clip.stamps().enumerate().map(|(k, stamp)| {
+            let holder = &clip.people()[usize::from(k > 12)].motion.frames()[k];
+            (stamp, holder.positions[8] + Vector::new(0.0, 0.0, 0.1))
+        });
+        let object = ObjectTrack::of_point("cup", places.collect());
+        let (people, words) = (clip.people().clone(), clip.metadata().clone());
+        let clip = Recording::new("clip", people, Some(object), words).unwrap();
+        fs::write(path, csv::write(&clip).unwrap()).unwrap();
+    }
+    folder
+}
+
+#[test]
+fn an_object_is_in_the_mesh_only_if_asked_for() {
+    let (bare, with) = (clips(4), clips_with_object(4, 0));
+    let methods = ["--methods", "hold,none,mesh", "--json"];
+    let run = |folder: &TempDir, more: &[&str], code| {
+        check(folder, &evaluate(&[&methods, more].concat()), code, &[]).stdout
+    };
+    let before = run(&bare, &[], 0);
+    assert!(run(&with, &[], 0) == before, "nobody looks at it");
+    let attach = ["--set", "object.attach=true"];
+    let on: Value = serde_json::from_slice(&run(&with, &attach, 0)).unwrap();
+    let off: Value = serde_json::from_slice(&before).unwrap();
+    assert_eq!(on["summary"]["hold"], off["summary"]["hold"]);
+    assert_ne!(on["summary"]["mesh"], off["summary"]["mesh"]);
+    assert_eq!(on["changes"][0]["key"], "object.attach");
+    let nobody = "left out: clips/0.csv: object.attach: no object was tracked";
+    check(
+        &clips_with_object(4, 1),
+        &evaluate(&[&attach[..], &["--methods", "hold"]].concat()),
+        3,
+        &[nobody],
+    );
+    check(&bare, &evaluate(&attach), 1, &[nobody, "no recording is left to work with"]);
 }
 
 #[test]

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use handover_mesh::formats::csv::{self, HEADER, WriteError};
 use handover_mesh::formats::{self, Place, ReadError, UpAxis};
 use handover_mesh::{
-    Frame, ObjectTrack, Person, Point, Recording, Role, Sequence, Skeleton, Stamp,
+    Frame, ObjectTrack, Person, Point, PointTrack, Recording, Role, Sequence, Skeleton, Stamp,
 };
 use proptest::prelude::*;
 
@@ -83,8 +83,9 @@ fn joint_order_is_canonical_and_y_up_turns() {
     assert_eq!(giver.skeleton().names(), ["neck", "right_hand"]);
     assert_eq!(giver.frames()[0].positions[0], Point::new(0.0, -1.7, 0.0));
     let object = recording.object().unwrap();
-    assert_eq!(object.name, "baton");
-    assert_eq!(object.places, [(Stamp(0), Point::new(1.0, -3.0, 2.0))]);
+    let [baton] = &object.points[..] else { panic!("one point") };
+    assert_eq!(baton.name, "baton");
+    assert_eq!(baton.places, [(Stamp(0), Point::new(1.0, -3.0, 2.0))]);
 }
 
 #[test]
@@ -148,9 +149,8 @@ fn two_people_no_more_no_less() {
     let hint = "(hint: were the two recorded at different rates?)";
     check(&lines, &format!("line 6: frame 1 lacks 'receiver' {hint}"));
     let mut lines = small(3);
-    lines.insert(5, "0,0.0,object,ball,0,0,0".into());
-    lines.push("2,0.2,object,box,0,0,0".into());
-    check(&lines, "line 15: a second object 'box' beside 'ball'");
+    lines.extend((0..70).map(|k| format!("2,0.2,object,vertex_{k},0,0,0")));
+    check(&lines, "line 78: the object has more than 64 points");
 }
 
 #[test]
@@ -255,9 +255,15 @@ fn recording(
         Person { name: name.into(), motion: Sequence::new(skeleton.clone(), frames).unwrap() }
     };
     let people = [person("the, \"giver\""), person("B")];
-    let known = stamps.iter().zip(object).filter(|(_, known)| **known);
-    let places: Vec<_> = known.map(|(stamp, _)| (*stamp, point())).collect();
-    let object = (!places.is_empty()).then(|| ObjectTrack { name: "baton".into(), places });
+    let mut track = |name: &str, known: &dyn Fn(usize) -> bool| {
+        let known = stamps.iter().enumerate().filter(|(at, _)| object[*at] && known(*at));
+        let places: Vec<_> = known.map(|(_, stamp)| (*stamp, point())).collect();
+        PointTrack { name: name.into(), places }
+    };
+    // Of two points one is known more often.
+    let mut points = vec![track("base", &|at| at % 2 == 0), track("rim", &|_| true)];
+    points.retain(|point| !point.places.is_empty());
+    let object = (!points.is_empty()).then_some(ObjectTrack { points });
     Recording::new("clip", people, object, metadata).unwrap()
 }
 
@@ -321,7 +327,7 @@ fn a_file_cut_anywhere_is_refused_except_after_a_whole_frame() {
 fn what_a_csv_cannot_hold_is_refused() {
     let good = recording(0, &[33_000_000], &[0.5; 97], &[true, true], BTreeMap::new());
     let with_object = |places| {
-        let object = ObjectTrack { name: "baton".into(), places };
+        let object = ObjectTrack::of_point("baton", places);
         Recording::new("clip", good.people().clone(), Some(object), BTreeMap::new()).unwrap()
     };
     let between = with_object(vec![(Stamp(5), Point::origin())]);

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 
 use handover_mesh::geometry::{yaw_alignment, yaw_isometry};
 use handover_mesh::{
-    Frame, ObjectTrack, Part, Person, Point, Recording, RecordingError, Role, Sequence,
+    Frame, ObjectTrack, Part, Person, Point, PointTrack, Recording, RecordingError, Role, Sequence,
     SequenceError, Side, Skeleton, Stamp, Vector,
 };
 use proptest::prelude::*;
@@ -92,13 +92,23 @@ fn what_is_no_recording_is_refused() {
     let late: Vec<Stamp> = [0, STEP, 2 * STEP + 1].map(Stamp).to_vec();
     let error = recording(person(3), person(3).resampled(&late).unwrap(), None).unwrap_err();
     assert!(matches!(error, RecordingError::StampsDiffer { frame: 2, .. }), "{error}");
-    let track = |places: Vec<(Stamp, Point)>| Some(ObjectTrack { name: "cup".into(), places });
+    let track = |places: Vec<(Stamp, Point)>| Some(ObjectTrack::of_point("cup", places));
     let still = track(vec![(Stamp(0), Point::origin()); 2]);
     let error = recording(person(3), person(3), still).unwrap_err();
     assert!(matches!(error, RecordingError::ObjectStamps(_)), "{error}");
     let nowhere = track(vec![(Stamp(0), Point::new(0.0, f64::NAN, 0.0))]);
     let error = recording(person(3), person(3), nowhere).unwrap_err();
     assert_eq!(error, RecordingError::ObjectNotFinite { place: 0 });
+    let points = |names: &[&str]| {
+        let point = |name: &&str| PointTrack { name: (*name).to_owned(), places: Vec::new() };
+        Some(ObjectTrack { points: names.iter().map(point).collect() })
+    };
+    let error = recording(person(3), person(3), points(&[])).unwrap_err();
+    assert_eq!(error, RecordingError::ObjectWithoutPoints);
+    let error = recording(person(3), person(3), points(&["rim", "base", "rim"])).unwrap_err();
+    assert_eq!(error, RecordingError::SamePoint { name: "rim".into() });
+    let sorted = recording(person(3), person(3), points(&["rim", "base"])).unwrap();
+    assert_eq!(sorted.object().unwrap().points[0].name, "base");
 }
 
 #[test]
@@ -114,9 +124,9 @@ fn a_mirrored_right_hander_is_a_left_hander_and_twice_is_never() {
     assert_eq!(image.mirrored(), person);
 
     let places = vec![(Stamp(0), Point::new(0.5, 0.2, 1.0))];
-    let cup = Some(ObjectTrack { name: "cup".into(), places });
+    let cup = Some(ObjectTrack::of_point("cup", places));
     let both = recording(person.clone(), person, cup).unwrap();
-    assert_eq!(both.mirrored().object().unwrap().places[0].1, Point::new(0.5, -0.2, 1.0));
+    assert_eq!(both.mirrored().object().unwrap().points[0].places[0].1, Point::new(0.5, -0.2, 1.0));
     assert_eq!(both.mirrored().mirrored(), both);
 }
 

@@ -83,7 +83,7 @@ fn lost_frames_leave_gaps_and_the_rest_alone() {
             assert!(whole.frames().contains(frame));
         }
     }
-    assert_eq!(view.measured.object().unwrap().places.len(), view.measured.len());
+    assert_eq!(view.measured.object().unwrap().points[0].places.len(), view.measured.len());
     // At the worst one frame is left: a recording needs one.
     let worst = SensorConfig { frame_loss: 0.9, ..SensorConfig::ideal(30.0) };
     assert!(!observe(worst, &truth).measured.stamps().collect::<Vec<_>>().is_empty());

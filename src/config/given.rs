@@ -21,8 +21,8 @@ const ALWAYS: [&str; 6] = [
 ];
 
 /// Sections of parameters that a model was learned with and that the tick reads.
-const OF_THE_TICK: [&str; 6] =
-    ["robot.", "observation.", "reference.", "mesh.", "retarget.", "forecast."];
+const OF_THE_TICK: [&str; 7] =
+    ["robot.", "object.", "observation.", "reference.", "mesh.", "retarget.", "forecast."];
 
 /// Every parameter of the node as a graph sees it: its default, bounds and text, and whether it can
 /// be set at all.

@@ -26,9 +26,26 @@ use crate::motion::{Dimensions, MotionSettings};
 use crate::online::OnlineSettings;
 use crate::predict::{KnownJoints, PredictSettings, ReferenceBlend};
 use crate::retarget::Transform;
+use crate::skeleton::Skeleton;
 pub use describe::{Kind, Parameter};
 use fields::Fields;
 pub use node::{NodeSettings, RobotState, Source};
+
+/// Whether what is handed over is part of the mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ObjectSettings {
+    /// Whether the object's points ride on the carrier's hand as further joints: see
+    /// [`with_object_carried`](crate::demonstration::with_object_carried).
+    pub attach: bool,
+    /// How many points an object may have.
+    pub points: usize,
+}
+
+impl Default for ObjectSettings {
+    fn default() -> Self {
+        Self { attach: false, points: 16 }
+    }
+}
 
 /// All parameters, within their bounds.
 ///
@@ -43,6 +60,8 @@ pub use node::{NodeSettings, RobotState, Source};
 pub struct Config {
     /// The joint by which a person's place is known, by name; a skeleton without it uses its root.
     pub base_joint: String,
+    /// Whether the object, and how much of it, is part of the mesh.
+    pub object: ObjectSettings,
     /// How demonstrations become predictions.
     pub predict: PredictSettings,
     /// How edges are learned.
@@ -63,6 +82,7 @@ impl Default for Config {
     fn default() -> Self {
         Self {
             base_joint: "torso".to_owned(),
+            object: ObjectSettings::default(),
             predict: PredictSettings::default(),
             learn: LearnSettings::default(),
             motion: MotionSettings::default(),
@@ -264,9 +284,20 @@ impl Config {
     ///
     /// - `config`: what a key left out stays as.
     fn from_fields(fields: &mut Fields, mut config: Self) -> Self {
-        let Self { base_joint, predict, learn, motion, forecast, online, folds, ignored_joints } =
-            &mut config;
+        let Self {
+            base_joint,
+            object,
+            predict,
+            learn,
+            motion,
+            forecast,
+            online,
+            folds,
+            ignored_joints,
+        } = &mut config;
         fields.text("robot.base_joint", base_joint);
+        fields.flag("object.attach", &mut object.attach);
+        fields.count("object.points", &mut object.points, 1, Skeleton::MAX_JOINTS);
         fields.float("observation.smoothing", &mut predict.smoothing, 0.0, 1.0);
         fields.float("alignment.pause_penalty", &mut predict.warp.pause_penalty, 0.0, 10.0);
         fields.float("alignment.slack", &mut predict.warp.slack, 0.0, 0.45);

@@ -164,6 +164,7 @@ fn clip_errors(
 ) -> ForecastClip {
     let partner = clip.partner();
     let skeleton = partner.skeleton();
+    let own = skeleton.own();
     let hand = skeleton.part(Part::Hand(clip.contact().hands.partner));
     let horizons = forecaster.horizons();
     let truths = Truths::new(partner, forecaster);
@@ -176,11 +177,11 @@ fn clip_errors(
             let joints = forecaster.forecast(*method, &moment, &mut workspace);
             for (horizon, sum) in sums.iter_mut().enumerate() {
                 let Some(truth) = truths.at(frame, horizon) else { continue };
-                let said = &joints[horizon * skeleton.len()..][..skeleton.len()];
+                let said = &joints[horizon * own..][..own];
                 let off = |joint: usize| 100.0 * (said[joint] - truth[joint]).norm();
                 sum.count += 1.0;
                 sum.wrist += hand.map_or(f64::NAN, |hand| off(hand.index()));
-                sum.joint += (0..skeleton.len()).map(off).sum::<f64>() / skeleton.len() as f64;
+                sum.joint += (0..own).map(off).sum::<f64>() / own as f64;
             }
         }
     }

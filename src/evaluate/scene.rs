@@ -91,7 +91,7 @@ impl Scene {
         let best = (0..frames)
             .filter(|k| since(*k).seconds().abs() <= CONTACT_WINDOW)
             .min_by(|a, b| gap(*a).total_cmp(&gap(*b)));
-        let bones = robot_skeleton.bones().zip(bone_lengths);
+        let bones = robot_skeleton.bones().take(robot_skeleton.own() - 1).zip(bone_lengths);
         let bone = bones
             .flat_map(|(bone, length)| {
                 let lengths =
@@ -134,7 +134,8 @@ impl<'a> KnownScene<'a> {
         mean_gap: Vector,
         ignored: &[JointId],
     ) -> Option<Self> {
-        let joints = truth.robot().skeleton().joints();
+        let skeleton = truth.robot().skeleton();
+        let joints = skeleton.joints().take(skeleton.own());
         let measured = joints.filter(|j| *j != truth.robot_base() && !ignored.contains(j));
         Some(Self {
             scene: Scene::new(truth, hands, mean_gap)?,

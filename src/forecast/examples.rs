@@ -76,7 +76,7 @@ impl Examples {
                 };
                 reach += 1;
                 let now = &smooth.frames()[at].positions;
-                let moved = then.frames()[0].positions.iter().zip(now);
+                let moved = then.frames()[0].positions.iter().zip(now).take(self.joints / 3);
                 let moved = moved.map(|(then, now)| -> Vector { turn * (then - now) });
                 self.displacements.extend(moved.flat_map(|d| [d.x, d.y, d.z]));
             }

@@ -182,7 +182,7 @@ impl Forecaster {
         let least = settings.velocity_window + settings.horizons.first().copied().unwrap_or(0.0);
         let (first, _) = motions.first().ok_or(ForecastError::NoMoments { least })?;
         let skeleton = first.skeleton();
-        let mut examples = Examples::new(skeleton.len());
+        let mut examples = Examples::new(skeleton.own());
         for (at, (motion, group)) in motions.iter().enumerate() {
             if motion.skeleton() != skeleton {
                 return Err(ForecastError::Skeleton { motion: at });
@@ -266,7 +266,7 @@ impl Forecaster {
         }
     }
 
-    /// Where all joints will be: `[m]` in the world, `horizons × joints`.
+    /// Where the person's own joints will be: `[m]` in the world, `horizons × joints`.
     ///
     /// Without allocation.
     ///

@@ -3,7 +3,8 @@
 use crate::geometry::{Isometry, Point, Vector};
 use crate::skeleton::{Frame, JointId, Skeleton};
 
-/// A person at an instant, as the past tells: nothing later is known.
+/// A person at an instant, as the past tells: nothing later is known. What rides on a joint is not
+/// looked at: it tells nothing that the joint does not.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Moment {
     positions: Vec<Point>,
@@ -16,8 +17,8 @@ impl Moment {
     /// A person of whom nothing is known yet: all joints at the origin, standing still.
     pub fn new(skeleton: &Skeleton, root: JointId) -> Self {
         Self {
-            positions: vec![Point::origin(); skeleton.len()],
-            velocities: vec![Vector::zeros(); skeleton.len()],
+            positions: vec![Point::origin(); skeleton.own()],
+            velocities: vec![Vector::zeros(); skeleton.own()],
             root,
             root_from_world: Isometry::identity(),
         }
@@ -35,7 +36,7 @@ impl Moment {
     /// If `past` is empty or of another skeleton: the caller's bug.
     pub fn observe(&mut self, skeleton: &Skeleton, past: &[Frame], window: f64) {
         let now = &past[past.len() - 1];
-        self.positions.copy_from_slice(&now.positions);
+        self.positions.copy_from_slice(&now.positions[..skeleton.own()]);
         self.root_from_world = skeleton.root_from_world(&self.positions, self.root);
         // Jitter of a stamp leaves no frame out.
         const JITTER: f64 = 1e-3;
@@ -56,7 +57,7 @@ impl Moment {
         }
     }
 
-    /// Where the joints are: `[m]` in the world.
+    /// Where the person's own joints are: `[m]` in the world.
     pub fn positions(&self) -> &[Point] {
         &self.positions
     }

@@ -147,6 +147,12 @@ pub enum Reason {
         /// The other name.
         second: String,
     },
+    /// The object has more points than any has.
+    #[error("the object has more than {most} points")]
+    ManyPoints {
+        /// How many it may have.
+        most: usize,
+    },
     /// More people than two.
     #[error("a third person '{third}' beside '{first}' and '{second}'")]
     ThirdPerson {

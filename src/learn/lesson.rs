@@ -195,7 +195,7 @@ fn weights(
     let role = truth.robot_role();
     let mut joints = vec![0.0; pair.len()];
     let hand = pair.skeleton(role).part(Part::Hand(hands.robot));
-    for joint in pair.skeleton(role).joints() {
+    for joint in pair.skeleton(role).joints().take(pair.skeleton(role).own()) {
         if joint != truth.robot_base() && !ignored.contains(&joint) {
             joints[pair.vertex(role, joint).index()] =
                 if Some(joint) == hand { settings.hand_weight } else { 1.0 };

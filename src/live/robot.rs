@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::geometry::Point;
 use crate::online::{OnlineError, OnlineModel, Pipeline, Tick, TickInput};
-use crate::skeleton::Skeleton;
+use crate::skeleton::{Riders, Skeleton};
 use crate::time::Stamp;
 use crate::track::Who;
 
@@ -28,6 +28,8 @@ pub(super) struct Robot {
     pipeline: Option<Pipeline>,
     /// Where the joints are `[m]` in the world: as said last, or as told last.
     pose: Vec<Point>,
+    /// How what rides on the joints sits on them.
+    riders: Riders,
     /// Whether the pose is what the robot says, or what it was told.
     is_reported: bool,
     /// When it was said last.
@@ -43,9 +45,9 @@ impl Robot {
 
     /// One that is still to say where it is.
     pub(super) fn unknown(model: &Arc<OnlineModel>, edges: bool) -> Self {
-        let (model, pose) = (model.clone(), Vec::new());
+        let (riders, model, pose) = (model.library().riders(Who::Robot), model.clone(), Vec::new());
         let (pipeline, heard, standstill) = (None, None, None);
-        Self { model, edges, pipeline, pose, is_reported: true, heard, standstill }
+        Self { model, edges, pipeline, pose, riders, is_reported: true, heard, standstill }
     }
 
     /// One that is to be [placed](Self::place), and from then on is where it is told to be.
@@ -115,7 +117,9 @@ impl Robot {
     ) -> Result<(), ReportError> {
         let skeleton: Arc<Skeleton> = self.model.library().skeleton(Who::Robot).clone();
         if self.pose.is_empty() {
-            let missing = skeleton.names().iter().filter(|name| place(name).is_none());
+            // What rides on a joint is known by the joint.
+            let own = &skeleton.names()[..skeleton.own()];
+            let missing = own.iter().filter(|name| place(name).is_none());
             let missing: Vec<String> = missing.cloned().collect();
             if !missing.is_empty() {
                 return Err(ReportError::Missing(missing));
@@ -123,11 +127,12 @@ impl Robot {
         }
         let mut pose = self.pose.clone();
         pose.resize(skeleton.len(), Point::origin());
-        for (joint, known) in skeleton.joints().zip(&mut pose) {
+        for (joint, known) in skeleton.joints().zip(&mut pose[..skeleton.own()]) {
             if let Some(place) = place(skeleton.name(joint)) {
                 *known = place;
             }
         }
+        self.riders.place(&mut pose);
         if self.pipeline.is_none() {
             let place = |joint: crate::skeleton::JointId| pose[joint.index()];
             let bones =

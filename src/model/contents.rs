@@ -46,6 +46,9 @@ pub(super) struct PersonText {
     pub(super) name: String,
     pub(super) joints: Vec<String>,
     pub(super) bones: Vec<[usize; 2]>,
+    /// How many of the joints, the last ones, ride on others; since version 2.
+    #[serde(default)]
+    pub(super) attached: usize,
 }
 
 #[derive(Deserialize)]
@@ -106,7 +109,12 @@ impl Model {
             let bones: Vec<[usize; 2]> =
                 skeleton.bones().map(|bone| [bone.parent, bone.child].map(|j| j.index())).collect();
             let name = self.people()[role as usize];
-            json!({ "bones": bones, "joints": skeleton.names(), "name": name })
+            let mut person = json!({ "bones": bones, "joints": skeleton.names(), "name": name });
+            // What a model does not need, keeps nobody from reading it.
+            if skeleton.attached().len() > 0 {
+                person["attached"] = skeleton.attached().len().into();
+            }
+            person
         });
         let demonstrations = self.demonstrations().iter().zip(self.hashes());
         let demonstrations = demonstrations.map(|(demonstration, sha256)| {

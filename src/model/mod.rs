@@ -15,7 +15,8 @@
 //! `__metadata__` holds `format`, `format_version`, `program_version`, `units` and, as JSON in
 //! `model`, all the rest: people, bones, roles, parameters, where it comes from.
 //!
-//! Deliberately absent: what was handed over (no method reads a recording's object), anything
+//! Deliberately absent: the track of what was handed over (of an object in the mesh its points are
+//! joints, and no method reads more of it), anything
 //! computed from the demonstrations, compression, files: bytes in, bytes out.
 
 mod container;
@@ -102,8 +103,9 @@ pub struct Model {
 }
 
 impl Model {
-    /// The version of the format that is written, and the newest that is read.
-    pub const FORMAT_VERSION: u64 = 1;
+    /// The newest version of the format. Version 2 has joints that ride on others; a model without
+    /// such is written as version 1.
+    pub const FORMAT_VERSION: u64 = 2;
 
     /// No header is longer `[bytes]`; thousands of demonstrations fit.
     pub const MOST_HEADER: usize = 8 << 20;

@@ -56,7 +56,7 @@ fn check_kind(container: &Container<'_>) -> Result<(), ModelError> {
     }
     let version = container.metadata("format_version")?;
     match version.parse() {
-        Ok(Model::FORMAT_VERSION) => {}
+        Ok(1..=Model::FORMAT_VERSION) => {}
         Ok(found) if found > Model::FORMAT_VERSION => {
             let program = container.metadata("program_version").unwrap_or("of no version");
             let (known, program) = (Model::FORMAT_VERSION, shortened_name(program));
@@ -85,7 +85,8 @@ fn skeleton(person: &PersonText) -> Result<Arc<Skeleton>, ModelError> {
     for joint in &person.joints {
         check_name("joint", joint)?;
     }
-    let skeleton = Skeleton::new(person.joints.clone(), &person.bones);
+    let PersonText { joints, bones, attached, .. } = person;
+    let skeleton = Skeleton::new_with_attached(joints.clone(), bones, *attached);
     skeleton.map(Arc::new).map_err(|source| {
         let person = shortened_name(&person.name);
         ModelError::Skeleton { person, source }

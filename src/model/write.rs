@@ -14,11 +14,17 @@ impl Model {
         Layout::of_model(frames, self.pair().len(), edges.edges().len(), edges.phases())
     }
 
+    /// The version of the format that it is written in: the oldest that holds it.
+    pub fn format_version(&self) -> u64 {
+        let skeletons = [Role::First, Role::Second].map(|role| self.pair().skeleton(role));
+        if skeletons.iter().any(|skeleton| skeleton.attached().len() > 0) { 2 } else { 1 }
+    }
+
     /// All before the numbers.
     pub(super) fn header(&self) -> Vec<u8> {
         let metadata = BTreeMap::from([
             ("format", FORMAT.to_owned()),
-            ("format_version", Self::FORMAT_VERSION.to_string()),
+            ("format_version", self.format_version().to_string()),
             ("model", self.contents()),
             ("program_version", self.program_version().to_owned()),
             ("units", UNITS.to_owned()),

@@ -3,7 +3,7 @@
 use super::{OnlineModel, Scene, mean_pose};
 use crate::forecast::{self, ForecastMethod, Moment};
 use crate::geometry::{Point, Vector};
-use crate::skeleton::{Frame, JointId};
+use crate::skeleton::{Frame, JointId, Riders};
 use crate::time::{Span, Stamp};
 use crate::track::{Belief, Followed, Tracker, Who};
 
@@ -29,6 +29,8 @@ pub struct Perception {
     /// What is added to the places of joints that are not seen `[m]`.
     guesses: Vec<Vector>,
     pose: Vec<Point>,
+    /// How what rides on the partner's joints sat on them in the newest frame.
+    riders: Riders,
     scene: Scene,
 }
 
@@ -51,10 +53,11 @@ impl Perception {
             moment: Moment::new(skeleton, library.base(Who::Partner)),
             tracker: Tracker::new(library),
             workspace: model.forecaster.workspace(),
-            moves: vec![Vector::zeros(); horizons.len() * joints],
+            moves: vec![Vector::zeros(); horizons.len() * skeleton.own()],
             horizons,
             guesses: vec![Vector::zeros(); joints],
             pose: vec![Point::origin(); joints],
+            riders: Riders::new(skeleton, &vec![Point::origin(); joints]),
             scene: Scene {
                 partner: vec![Point::origin(); frames * joints],
                 robot_base: Point::origin(),
@@ -94,15 +97,17 @@ impl Perception {
         let newest = &mut self.recent[RECENT - 1];
         newest.stamp = stamp;
         newest.positions.copy_from_slice(positions);
+        self.riders.take(positions);
         let (library, belief) = (&model.library, self.tracker.belief());
         self.guesses.fill(Vector::zeros());
         let skeleton = library.skeleton(Who::Partner);
-        let any = skeleton.joints().any(|joint| guessed(joint) > 0.0);
+        let any = skeleton.joints().take(skeleton.own()).any(|joint| guessed(joint) > 0.0);
         if any && !belief.followed.is_empty() {
             let ahead = elapsed / library.step().seconds() * belief.tempo;
             let place = positions[library.base(Who::Partner).index()];
             mean_pose(library, &belief.followed, Who::Partner, ahead, place, &mut self.pose);
-            for joint in skeleton.joints().filter(|joint| *joint != library.base(Who::Partner)) {
+            let joints = skeleton.joints().take(skeleton.own());
+            for joint in joints.filter(|joint| *joint != library.base(Who::Partner)) {
                 let at = joint.index();
                 self.guesses[at] = guessed(joint) * (self.pose[at] - positions[at]);
                 newest.positions[at] += self.guesses[at];
@@ -114,7 +119,7 @@ impl Perception {
         self.moment.observe(skeleton, past, model.forecaster.velocity_window());
         let method = ForecastMethod::Mixed;
         let forecast = model.forecaster.forecast(method, &self.moment, &mut self.workspace);
-        let joints = positions.len();
+        let joints = skeleton.own();
         let places = self.moment.positions().iter().cycle();
         for ((moved, to), from) in self.moves[joints..].iter_mut().zip(forecast).zip(places) {
             *moved = to - from;
@@ -146,7 +151,8 @@ impl Perception {
         robot_base: Point,
         at: impl Fn(Stamp, &mut [Point]),
     ) -> &Scene {
-        let joints = model.library.skeleton(Who::Partner).len();
+        let skeleton = model.library.skeleton(Who::Partner);
+        let (joints, own) = (skeleton.len(), skeleton.own());
         let (past, step) = (model.settings.past, model.library.step());
         let newest = self.recent[RECENT - 1].stamp;
         // Taken out while the rest is looked at; put back below.
@@ -156,6 +162,7 @@ impl Perception {
             let places = &mut partner[frame * joints..][..joints];
             at(stamp, places);
             places.iter_mut().zip(&self.guesses).for_each(|(place, guess)| *place += guess);
+            self.riders.place(places);
         }
         let (known, future) = partner.split_at_mut((past + 1) * joints);
         let here = &known[past * joints..];
@@ -164,11 +171,12 @@ impl Perception {
             let lead = (ahead + 1) as f64 * step.seconds();
             let share = (-lead / model.settings.trust).exp();
             let (from, to) = (self.place(late), self.place(late + lead));
-            for (joint, place) in frame.iter_mut().enumerate() {
-                let forecast = self.moved(to, joint, joints) - self.moved(from, joint, joints);
+            for (joint, place) in frame[..own].iter_mut().enumerate() {
+                let forecast = self.moved(to, joint, own) - self.moved(from, joint, own);
                 *place = here[joint] + share * forecast;
             }
-            self.add_demonstrated(model, ahead + 1, 1.0 - share, frame);
+            self.add_demonstrated(model, ahead + 1, 1.0 - share, &mut frame[..own]);
+            self.riders.place(frame);
         }
         self.scene.partner = partner;
         self.scene.robot_base = robot_base;

@@ -7,7 +7,7 @@ use crate::filter::{Doubt, Filter, Sighting};
 use crate::geometry::Point;
 use crate::retarget::Residual;
 use crate::safety::{HoldReason, PartnerBody, Proposal, SafetyGate, Target, is_place};
-use crate::skeleton::{JointId, Part};
+use crate::skeleton::{JointId, Part, Riders};
 use crate::time::Stamp;
 use crate::track::{Belief, Who};
 
@@ -65,6 +65,10 @@ pub struct Pipeline {
     robot_base: Option<Point>,
     /// Where the partner's joints are now by the filter alone: room.
     places: Vec<Point>,
+    /// How what rides on the partner's joints sits on them: as sighted last, else as in the first
+    /// demonstration.
+    riders: Riders,
+    demonstrated: Riders,
     body: Option<PartnerBody>,
     /// When the partner was known last.
     known: Option<Stamp>,
@@ -87,11 +91,12 @@ impl Pipeline {
     ) -> Result<Self, OnlineError> {
         let settings = &model.settings;
         let partner = model.library.skeleton(Who::Partner).clone();
-        let joints = partner.len();
-        let filter =
-            Filter::new(partner, model.library.base(Who::Partner), settings.filter.clone());
+        // Of what rides on the partner's joints it is enough to know how it sits.
+        let (joints, own) = (partner.len(), Arc::new(partner.without_attached()));
+        let filter = Filter::new(own, model.library.base(Who::Partner), settings.filter.clone());
         let robot = model.library.skeleton(Who::Robot).clone();
         let base = model.library.base(Who::Robot);
+        let demonstrated = model.library.riders(Who::Partner);
         let gate = SafetyGate::new(robot, base, robot_lengths, settings.safety.clone())?;
         Ok(Self {
             filter,
@@ -102,6 +107,8 @@ impl Pipeline {
             holds_gap: edges,
             robot_base: None,
             places: vec![Point::origin(); joints],
+            riders: demonstrated.clone(),
+            demonstrated,
             body: None,
             known: None,
             is_cancelled: false,
@@ -126,6 +133,7 @@ impl Pipeline {
         self.perception.reset();
         self.window.reset();
         self.gate.reset();
+        self.riders.clone_from(&self.demonstrated);
         self.robot_base = None;
         self.body = None;
         self.known = None;
@@ -182,8 +190,14 @@ impl Pipeline {
 
     /// Takes in the partner and lays out where they are over the window, or says why nobody knows.
     fn look(&mut self, input: &TickInput<'_>) -> Result<(), HoldReason> {
-        let Self { model, filter, perception, .. } = self;
-        let partner = filter.update(input.sighting.as_ref(), input.now);
+        let Self { model, filter, perception, riders, places, .. } = self;
+        let own = model.library.skeleton(Who::Partner).own();
+        let sighting = input.sighting.map(|sighting| {
+            assert_eq!(sighting.positions.len(), places.len(), "one place for each joint");
+            riders.take(sighting.positions);
+            own_joints(sighting, own)
+        });
+        let partner = filter.update(sighting.as_ref(), input.now);
         let known = self.known.get_or_insert(input.now);
         let partner = match partner {
             Ok(partner) => partner,
@@ -204,12 +218,16 @@ impl Pipeline {
         if partner.is_fresh() {
             let guess = model.settings.guess;
             let guessed = |joint| partner.unseen(joint).map_or(1.0, |time| (time / guess).min(1.0));
-            perception.see(model, partner.stamp(), partner.positions(), base, guessed);
+            places[..own].copy_from_slice(partner.positions());
+            riders.place(places);
+            perception.see(model, partner.stamp(), places, base, guessed);
         }
-        perception.look(model, input.now, base, |stamp, places| partner.at(stamp, places));
+        perception.look(model, input.now, base, |stamp, places| {
+            partner.at(stamp, &mut places[..own]);
+        });
         // What is kept away from is what was seen, whatever the demonstrations make of it.
-        partner.at(input.now, &mut self.places);
-        self.body = Some(body(model, &self.places));
+        partner.at(input.now, &mut places[..own]);
+        self.body = Some(body(model, places));
         Ok(())
     }
 
@@ -226,6 +244,13 @@ impl Pipeline {
         reference.fill(model, belief, scene, self.holds_gap);
         window.solve(model, belief, scene, reference).map_err(|_| HoldReason::Unsolved)
     }
+}
+
+/// Of a sighting what the filter asks for: the person's own joints.
+fn own_joints(sighting: Sighting<'_>, own: usize) -> Sighting<'_> {
+    let Sighting { positions, confidences, .. } = sighting;
+    let confidences = &confidences[..confidences.len().min(own)];
+    Sighting { positions: &positions[..own], confidences, ..sighting }
 }
 
 /// What the robot keeps away from, where the partner is now.

@@ -161,6 +161,6 @@ fn hold_gap(
     let world_from_heading = yaw_isometry(partner_skeleton.heading(seen), Vector::zeros());
     let gap = world_from_heading * model.gap(belief.hands);
     let goal = partner[partner_hand.index()] + gap;
-    let hand = &mut robot[robot_hand.index()];
-    *hand += (goal - *hand) * share;
+    let by = (goal - robot[robot_hand.index()]) * share;
+    robot_skeleton.shift_with_riders(robot_hand, by, robot);
 }

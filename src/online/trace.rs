@@ -162,7 +162,8 @@ fn seen(model: &OnlineModel, filter: &Filter) -> Value {
     let partner = filter.partner().ok();
     let names = |is_meant: &dyn Fn(Partner<'_>, JointId) -> bool| {
         partner.map(|partner| {
-            let joints = skeleton.joints().filter(|joint| is_meant(partner, *joint));
+            let own = skeleton.joints().take(skeleton.own());
+            let joints = own.filter(|joint| is_meant(partner, *joint));
             joints.map(|joint| skeleton.name(joint)).collect::<Vec<_>>()
         })
     };

@@ -110,12 +110,13 @@ pub(super) fn features(
     base: impl Fn(usize) -> Point,
     distance_weight: f64,
 ) -> Vec<Vec<f64>> {
-    let joints = partner.skeleton().len();
+    // What rides on a joint tells nothing that the joint does not.
+    let joints = partner.skeleton().own();
     let scale = 1.0 / (joints as f64).sqrt();
     let rows = (0..partner.len()).map(|frame| {
         let place = partner.position(frame, partner_base);
         let heading_from_world = yaw_isometry(-partner.heading(frame), Vector::zeros());
-        let positions = &partner.frames()[frame].positions;
+        let positions = &partner.frames()[frame].positions[..joints];
         let pose = positions.iter().map(|p| heading_from_world * (p - place) * scale);
         let apart = (base(frame) - place).xy().norm() * distance_weight;
         pose.flat_map(|p| [p.x, p.y, p.z]).chain([apart]).collect()

@@ -56,5 +56,6 @@ pub fn lead_hand(
     let pole = pose[elbow.index()] - root;
     let arm = two_bone(root, now + (goal - now) * share, length(elbow), length(hand), pole);
     pose[elbow.index()] = arm.middle;
+    skeleton.shift_with_riders(hand, arm.end - now, pose);
     pose[hand.index()] = arm.end;
 }

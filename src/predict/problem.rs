@@ -202,8 +202,8 @@ fn hold_contact_gap(
     for (frame, (robot, partner)) in robot.zip(partner).enumerate() {
         let share = observation.nearness(frame, contact, fade);
         let goal = partner[partner_hand.index()] + observation.gap_in_world(frame, gap);
-        let hand = &mut robot[robot_hand.index()];
-        *hand += (goal - *hand) * share;
+        let by = (goal - robot[robot_hand.index()]) * share;
+        robot_skeleton.shift_with_riders(robot_hand, by, robot);
     }
 }
 

@@ -26,12 +26,14 @@ pub(super) fn predict(
         (-0.5 * ((phase - centre) * bases as f64).powi(2)).exp()
     });
     // Coordinates from each person's own base: the places are known.
-    let flatten = |points: &[Point], place: &dyn Fn(usize) -> Point| {
+    let flatten = |points: &[Point], counted: usize, place: &dyn Fn(usize) -> Point| {
         let joints = points.len() / frames;
-        DMatrix::from_fn(frames, 3 * joints, |k, c| {
+        DMatrix::from_fn(frames, 3 * counted, |k, c| {
             points[k * joints + c / 3][c % 3] - place(k)[c % 3]
         })
     };
+    let (own, robot_joints) =
+        (observation.partner.skeleton().own(), observation.robot_skeleton.len());
     let partner_place = |k: usize| observation.partner_place(k);
     let robot_place = |k: usize| observation.base[k];
     let weights = |positions: DMatrix<f64>| {
@@ -42,8 +44,9 @@ pub(super) fn predict(
         .all
         .iter()
         .map(|demonstration| {
-            let partner = flatten(&demonstration.partner, &partner_place);
-            [weights(partner), weights(flatten(&demonstration.robot, &robot_place))]
+            let partner = flatten(&demonstration.partner, own, &partner_place);
+            let robot = flatten(&demonstration.robot, robot_joints, &robot_place);
+            [weights(partner), weights(robot)]
         })
         .collect();
     let count = people.len() as f64;
@@ -52,7 +55,7 @@ pub(super) fn predict(
     let off: Vec<DVector<f64>> = people.iter().map(|p| &p[0] - &partner_mean).collect();
     let observed: Vec<Point> =
         observation.partner.frames().iter().flat_map(|f| f.positions.iter().copied()).collect();
-    let news = weights(flatten(&observed, &partner_place)) - &partner_mean;
+    let news = weights(flatten(&observed, own, &partner_place)) - &partner_mean;
     // Gram matrix of the demonstrations; the noise is a share of their mean variance.
     let gram = DMatrix::from_fn(off.len(), off.len(), |i, j| off[i].dot(&off[j]));
     let noise = settings.promp_noise * gram.trace().max(1e-12);
@@ -64,7 +67,7 @@ pub(super) fn predict(
     for (share, person) in shares.iter().zip(&people) {
         robot += (&person[1] - &robot_mean) * *share;
     }
-    let coordinates = observation.robot_skeleton.len() * 3;
+    let coordinates = robot_joints * 3;
     let path = &phi * DMatrix::from_column_slice(bases, coordinates, robot.as_slice());
     let mut predicted = Vec::with_capacity(frames * coordinates / 3);
     for k in 0..frames {

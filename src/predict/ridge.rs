@@ -40,7 +40,8 @@ fn flatten<'a>(
 }
 
 fn input(observation: &Observation, frame: usize, clip_from_world: &Isometry) -> Vec<f64> {
-    let positions = &observation.partner.frames()[frame].positions;
+    let own = observation.partner.skeleton().own();
+    let positions = &observation.partner.frames()[frame].positions[..own];
     flatten(positions, observation.base[frame], clip_from_world)
 }
 

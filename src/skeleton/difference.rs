@@ -1,6 +1,6 @@
 //! How one skeleton is not another, in words: for whoever has to mend a recording.
 
-use super::Skeleton;
+use super::{JointId, Skeleton};
 
 /// How two people's joints are not those of others: `giver: right_hand is missing`; none where
 /// they are the same.
@@ -27,7 +27,16 @@ pub fn joint_differences(people: [(&str, &Skeleton, &Skeleton); 2]) -> Option<St
             format!("{} {} {what}", joints.join(", "), if joints.len() == 1 { "is" } else { "are" })
         });
         let what: Vec<String> = what.collect();
-        if what.is_empty() {
+        let place = |of: &Skeleton, rider: JointId| {
+            let bone = of.bones().find(|bone| bone.child == rider);
+            bone.map_or("", |bone| of.name(bone.parent)).to_owned()
+        };
+        let moved = skeleton.attached().zip(usual.attached());
+        let mut moved = moved.map(|(a, b)| (a, place(skeleton, a), place(usual, b)));
+        let moved = moved.find(|(_, here, there)| here != there);
+        if let (true, Some((rider, here, there))) = (what.is_empty(), moved) {
+            format!("{name}: {} rides on {here}, not on {there}", skeleton.name(rider))
+        } else if what.is_empty() {
             format!("{name}: the same joints in another order, or joined by other bones")
         } else {
             format!("{name}: {}", what.join(" and "))

@@ -43,6 +43,8 @@ pub struct Skeleton {
     /// Root outwards: a bone's parent is the root or the child of an earlier bone.
     bones: Box<[Bone]>,
     root: JointId,
+    /// The first of the attached joints, which are behind all others, as are their bones.
+    own: u16,
 }
 
 /// Why some names and bones are no skeleton.
@@ -180,10 +182,48 @@ impl Skeleton {
             return Err(fault(lost, "a cycle of bones above it"));
         }
         let parts = names.iter().map(|name| Part::from_name(name)).collect();
-        Ok(Self { names: names.into(), parts, bones: ordered.into(), root: id(root) })
+        let own = names.len() as u16;
+        Ok(Self { names: names.into(), parts, bones: ordered.into(), root: id(root), own })
     }
 
-    /// The number of joints.
+    /// The same with points that ride on a joint, behind all others: joints that are no part of the
+    /// body, whatever they are called. See [`Riders`](super::Riders).
+    ///
+    /// # Errors
+    /// [`SkeletonError::Repeated`], [`SkeletonError::Count`].
+    pub fn with_attached(&self, joint: JointId, points: &[String]) -> Result<Self, SkeletonError> {
+        let names = [&*self.names, points].concat();
+        check_names(&names)?;
+        let parts = self.parts.iter().copied().chain(points.iter().map(|_| None)).collect();
+        let attached = (self.len()..names.len()).map(|at| Bone { parent: joint, child: id(at) });
+        let bones = self.bones().chain(attached).collect();
+        Ok(Self { names: names.into(), parts, bones, root: self.root, own: self.own })
+    }
+
+    /// The same without the points that ride on it.
+    pub fn without_attached(&self) -> Self {
+        let own = self.own();
+        Self {
+            names: self.names[..own].into(),
+            parts: self.parts[..own].into(),
+            // A tree has a bone less than joints.
+            bones: self.bones[..own - 1].into(),
+            ..self.clone()
+        }
+    }
+
+    /// The number of the person's own joints: the first ones. Those behind are attached, and no
+    /// figure counts them.
+    pub fn own(&self) -> usize {
+        usize::from(self.own)
+    }
+
+    /// The points that ride on a joint, in order.
+    pub fn attached(&self) -> impl ExactSizeIterator<Item = JointId> + use<> {
+        (self.own..self.len() as u16).map(JointId)
+    }
+
+    /// The number of joints, those attached among them.
     #[expect(clippy::len_without_is_empty, reason = "a skeleton has joints")]
     pub fn len(&self) -> usize {
         self.names.len()

@@ -5,6 +5,7 @@
 //!
 //! Reads no file and knows nothing of meshes or robots.
 
+mod attached;
 mod difference;
 mod heading;
 mod joints;
@@ -15,8 +16,9 @@ mod rootless;
 mod sequence;
 mod smooth;
 
+pub use attached::{AttachError, Riders};
 pub use difference::joint_differences;
 pub use joints::{Bone, JointId, Skeleton, SkeletonError};
 pub use part::{Part, Side};
-pub use recording::{ObjectTrack, Person, Recording, RecordingError, Role};
+pub use recording::{ObjectTrack, Person, PointTrack, Recording, RecordingError, Role};
 pub use sequence::{Frame, Sequence, SequenceError, StampsError};

@@ -42,13 +42,35 @@ pub struct Person {
     pub motion: Sequence,
 }
 
-/// Where the object is, at those of the recording's instants where it is known.
+/// Where the object is: one point of it, or several.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObjectTrack {
-    /// The object's name in the file.
+    /// At least one, of different names; a recording has them in the order of these.
+    pub points: Vec<PointTrack>,
+}
+
+impl ObjectTrack {
+    /// An object of one point.
+    pub fn of_point(name: impl Into<String>, places: Vec<(Stamp, Point)>) -> Self {
+        Self { points: vec![PointTrack { name: name.into(), places }] }
+    }
+}
+
+/// Where a point of the object is, at those of the recording's instants where it is known.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PointTrack {
+    /// Its name in the file.
     pub name: String,
     /// Place `[m]` in the world at rising stamps.
     pub places: Vec<(Stamp, Point)>,
+}
+
+impl PointTrack {
+    /// Where it is at an instant `[m]`, if that is known.
+    pub fn place(&self, stamp: Stamp) -> Option<Point> {
+        let found = self.places.binary_search_by_key(&stamp, |(stamp, _)| *stamp).ok()?;
+        Some(self.places[found].1)
+    }
 }
 
 /// Two people over the same stamps, perhaps an object, and what is known about the clip.
@@ -99,13 +121,22 @@ pub enum RecordingError {
         /// The second person's stamp.
         second: Stamp,
     },
-    /// The object's stamps do not rise.
+    /// An object that is nowhere.
+    #[error("an object without points")]
+    ObjectWithoutPoints,
+    /// Two points of the object share a name.
+    #[error("object: two points are called '{name}'")]
+    SamePoint {
+        /// The shared name.
+        name: String,
+    },
+    /// The stamps of a point of the object do not rise.
     #[error("object: {0}")]
     ObjectStamps(StampsError),
-    /// The object's place is NaN or infinite.
+    /// A place of the object is NaN or infinite.
     #[error("object, place {place}: not finite")]
     ObjectNotFinite {
-        /// Which of its places, counted from 0.
+        /// Which of its point's places, counted from 0.
         place: usize,
     },
 }
@@ -125,7 +156,7 @@ impl Recording {
     pub fn new(
         name: impl Into<String>,
         people: [Person; 2],
-        object: Option<ObjectTrack>,
+        mut object: Option<ObjectTrack>,
         metadata: BTreeMap<String, String>,
     ) -> Result<Self, RecordingError> {
         let [a, b] = &people;
@@ -141,11 +172,21 @@ impl Recording {
                 return Err(RecordingError::StampsDiffer { frame, first, second });
             }
         }
-        if let Some(object) = &object {
-            StampsError::check(object.places.iter().map(|(stamp, _)| *stamp))
-                .map_err(RecordingError::ObjectStamps)?;
-            if let Some(place) = object.places.iter().position(|(_, p)| !is_finite(p)) {
-                return Err(RecordingError::ObjectNotFinite { place });
+        if let Some(object) = &mut object {
+            object.points.sort_by(|a, b| a.name.cmp(&b.name));
+            let points = &object.points;
+            if points.is_empty() {
+                return Err(RecordingError::ObjectWithoutPoints);
+            }
+            if let Some(same) = points.windows(2).find(|pair| pair[0].name == pair[1].name) {
+                return Err(RecordingError::SamePoint { name: same[0].name.clone() });
+            }
+            for point in points {
+                StampsError::check(point.places.iter().map(|(stamp, _)| *stamp))
+                    .map_err(RecordingError::ObjectStamps)?;
+                if let Some(place) = point.places.iter().position(|(_, p)| !is_finite(p)) {
+                    return Err(RecordingError::ObjectNotFinite { place });
+                }
             }
         }
         Ok(Self { name: name.into(), people, object, metadata })
@@ -213,9 +254,15 @@ impl Recording {
     /// # Errors
     /// [`RecordingError`] if it is not at the recording's instants.
     pub fn with_motion(&self, role: Role, motion: Sequence) -> Result<Self, RecordingError> {
-        let mut people = self.people.clone();
-        people[role as usize].motion = motion;
-        Self::new(self.name.clone(), people, self.object.clone(), self.metadata.clone())
+        let same = self.replacing(role, motion);
+        Self::new(same.name, same.people, same.object, same.metadata)
+    }
+
+    /// The same with a motion of one person that is at the recording's instants.
+    pub(super) fn replacing(&self, role: Role, motion: Sequence) -> Self {
+        let mut same = self.clone();
+        same.people[role as usize].motion = motion;
+        same
     }
 
     /// Both people and the object seen from another frame.
@@ -224,9 +271,7 @@ impl Recording {
         for person in &mut moved.people {
             person.motion = person.motion.transformed(world_from_here);
         }
-        for (_, place) in moved.object.iter_mut().flat_map(|object| &mut object.places) {
-            *place = world_from_here * *place;
-        }
+        moved.each_place(|place| *place = world_from_here * *place);
         moved
     }
 
@@ -245,9 +290,13 @@ impl Recording {
         for person in &mut image.people {
             person.motion = person.motion.mirrored();
         }
-        for (_, place) in image.object.iter_mut().flat_map(|object| &mut object.places) {
-            place.y = -place.y;
-        }
+        image.each_place(|place| place.y = -place.y);
         image
+    }
+
+    /// Changes every place of the object.
+    fn each_place(&mut self, mut change: impl FnMut(&mut Point)) {
+        let points = self.object.iter_mut().flat_map(|object| &mut object.points);
+        points.flat_map(|point| &mut point.places).for_each(|(_, place)| change(place));
     }
 }

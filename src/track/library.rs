@@ -12,7 +12,7 @@ use crate::forecast::Moment;
 use crate::geometry::{Point, Vector};
 use crate::motion::{Dimensions, MotionError, Pca, Rows};
 use crate::settings::OutOfBounds;
-use crate::skeleton::{JointId, Sequence, SequenceError, Skeleton};
+use crate::skeleton::{JointId, Riders, Sequence, SequenceError, Skeleton};
 use crate::statistics::quantile;
 use crate::time::{Span, Stamp};
 
@@ -323,6 +323,14 @@ impl Library {
         Between { before, after, part: frame.fract() }
     }
 
+    /// How what rides on a person's joints sits on them at the start of the first demonstration.
+    pub fn riders(&self, who: Who) -> Riders {
+        let skeleton = self.skeleton(who);
+        let pose: Vec<Point> =
+            skeleton.joints().map(|joint| self.position(0, who, 0.0, joint)).collect();
+        Riders::new(skeleton, &pose)
+    }
+
     /// From a person's base to a joint of theirs in a demonstration: `[m]`, as it was recorded.
     pub fn from_base(&self, exemplar: usize, who: Who, frame: f64, joint: JointId) -> Vector {
         let pose = self.pose(exemplar, who, frame);
@@ -366,11 +374,11 @@ pub(super) fn squared_distance(a: &[f64], b: &[f64]) -> f64 {
 
 /// Which of a moment's features are velocities.
 fn velocities(partner: &Skeleton) -> Range<usize> {
-    3 * (partner.len() - 1)..Moment::feature_count(partner.len())
+    3 * (partner.own() - 1)..Moment::feature_count(partner.own())
 }
 
 fn feature_count(partner: &Skeleton) -> usize {
-    Moment::feature_count(partner.len()) + 1
+    Moment::feature_count(partner.own()) + 1
 }
 
 /// What a moment is known by: the partner's places and velocities in their own frame, and how far

@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 
 use handover_mesh::formats::bag::{self, File, WriteError};
 use handover_mesh::formats::{self, Format, UpAxis};
-use handover_mesh::{ObjectTrack, Point, Recording, Role, Stamp};
+use handover_mesh::{ObjectTrack, Point, PointTrack, Recording, Role, Stamp};
 use proptest::prelude::*;
 use scenes::{people, read, recording, skeleton};
 
@@ -85,9 +85,13 @@ fn what_a_bag_cannot_hold_is_refused() {
         assert_eq!(refused(&named), WriteError::Name { name: name.into() });
     }
     let late = Stamp(i64::MAX);
-    let object = ObjectTrack { name: "cup".into(), places: vec![(late, Point::origin())] };
+    let object = ObjectTrack::of_point("cup", vec![(late, Point::origin())]);
     let far = Recording::new("clip", good.people().clone(), Some(object), BTreeMap::new());
     assert_eq!(refused(&far.unwrap()), WriteError::Stamp { stamp: late });
+    let point = |name: &str| PointTrack { name: name.into(), places: Vec::new() };
+    let object = ObjectTrack { points: vec![point("base"), point("rim")] };
+    let two = Recording::new("clip", good.people().clone(), Some(object), BTreeMap::new());
+    assert_eq!(refused(&two.unwrap()), WriteError::ObjectPoints { points: 2 });
     let key = "handover_mesh.people".to_owned();
     let words = good.with_metadata([(key.clone(), "[]".to_owned())].into());
     assert_eq!(refused(&words), WriteError::Metadata { key });

@@ -46,7 +46,7 @@ pub(crate) fn people(frames: i64, names: [&str; 2]) -> [Person; 2] {
 /// The same with an object.
 pub(crate) fn recording(frames: i64, metadata: BTreeMap<String, String>) -> Recording {
     let places = (0..frames).map(|frame| (Stamp(frame * STEP), place(2, frame, 0))).collect();
-    let object = ObjectTrack { name: "cup".to_owned(), places };
+    let object = ObjectTrack::of_point("cup", places);
     Recording::new("clip", people(frames, ["giver", "receiver"]), Some(object), metadata).unwrap()
 }
 
@@ -78,7 +78,7 @@ pub(crate) fn any_recording(
     let people = [person("giver"), person("B")];
     let known = stamps.iter().zip(object).filter(|(_, known)| **known);
     let places: Vec<_> = known.map(|(stamp, _)| (*stamp, point())).collect();
-    let object = (!places.is_empty()).then(|| ObjectTrack { name: "baton".into(), places });
+    let object = (!places.is_empty()).then(|| ObjectTrack::of_point("baton", places));
     Recording::new("clip", people, object, metadata).unwrap()
 }
 

@@ -108,17 +108,17 @@ fn other_formats_versions_and_units_are_refused() {
     check_file(drop("format"), "the metadata 'format' is missing");
     let nothing = put_together(b"{}", &[]);
     check(&nothing, "not a model of handover_mesh: the metadata 'format' is missing");
-    let newer = "format_version is 2 (written by handover_mesh 9.8.7), this is ";
+    let newer = "format_version is 3 (written by handover_mesh 9.8.7), this is ";
     let both = |file: &mut File| {
-        set("format_version", "2")(file);
+        set("format_version", "3")(file);
         set("program_version", "9.8.7")(file);
         // Whatever else has changed since: the version is what is told.
         set("model", "{}")(file);
     };
     check_file(both, newer);
-    check_file(both, "and reads up to 1 (hint: use a newer handover_mesh)");
+    check_file(both, "and reads up to 2 (hint: use a newer handover_mesh)");
     for version in ["0", "-1", "one", "1.0", ""] {
-        let text = format!("format_version is '{version}', must be a whole number from 1 to 1");
+        let text = format!("format_version is '{version}', must be a whole number from 1 to 2");
         check_file(|file| file.header["__metadata__"]["format_version"] = json!(version), &text);
     }
     check_file(set("units", "mm, s"), "units are 'mm, s', must be 'm, ns'");

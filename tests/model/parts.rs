@@ -8,7 +8,8 @@ use handover_mesh::mesh::{Edge, Pair, Vertex};
 use handover_mesh::model::{Model, ModelError, Source, Training};
 use handover_mesh::predict::{LearnedEdge, LearnedEdges};
 use handover_mesh::{
-    Config, Frame, ObjectTrack, Person, Point, Recording, Role, Sequence, Side, Skeleton, Stamp,
+    Config, Frame, ObjectTrack, Part, Person, Point, Recording, Role, Sequence, Side, Skeleton,
+    Stamp,
 };
 use proptest::prelude::*;
 
@@ -41,6 +42,12 @@ pub(crate) fn skeleton(which: usize) -> Arc<Skeleton> {
     match which {
         0 => Skeleton::nite(),
         1 => named(EIGHT),
+        // With a cup in the hand.
+        2 => {
+            let hand = named(EIGHT).part(Part::Hand(Side::Right)).unwrap();
+            let cup = ["rim", "base"].map(String::from);
+            Arc::new(named(EIGHT).with_attached(hand, &cup).unwrap())
+        }
         _ => named(FOUR),
     }
 }
@@ -71,7 +78,7 @@ pub(crate) fn recording(name: &str, which: usize, object: bool) -> Arc<Recording
     let people =
         [("giver", 0.0), ("receiver", 1.0)].map(|(n, x)| person(n, motion(skeleton(which), 3, x)));
     let places = vec![(Stamp(0), Point::origin())];
-    let object = object.then(|| ObjectTrack { name: "cup".to_owned(), places });
+    let object = object.then(|| ObjectTrack::of_point("cup", places));
     let metadata = BTreeMap::from([("class".to_owned(), "07 \"ä\"\n".to_owned())]);
     Recording::new(name, people, object, metadata).unwrap().into()
 }
@@ -202,7 +209,7 @@ fn trainings() -> impl Strategy<Value = Training> {
 
 /// Any model of a few frames.
 pub(crate) fn model_parts() -> impl Strategy<Value = Parts> {
-    (0usize..3, 0usize..3, prop::bool::ANY, "[^\\pC]{1,9}").prop_flat_map(|(a, b, second, name)| {
+    (0usize..4, 0usize..4, prop::bool::ANY, "[^\\pC]{1,9}").prop_flat_map(|(a, b, second, name)| {
         let skeletons = [skeleton(a), skeleton(b)];
         let pair = Pair::new(skeletons.clone());
         let people = [format!("{name}1"), format!("{name}2")];

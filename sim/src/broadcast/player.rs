@@ -294,10 +294,8 @@ impl Player {
             sent.push(Outgoing::RobotSkeleton(to_joint_state(&body)));
         }
         let object = measured.object().filter(|_| settings.sends_object);
-        let place = object.and_then(|object| {
-            let found = object.places.binary_search_by_key(&stamp, |(stamp, _)| *stamp).ok()?;
-            Some(object.places[found].1)
-        });
+        // A pose says where one point is: the first.
+        let place = object.and_then(|object| object.points.first()?.place(stamp));
         if let Some(place) = place {
             let header = Header { stamp: Time::of(due), frame_id: settings.world_frame.clone() };
             let pose = Pose { position: place.into(), ..Pose::default() };

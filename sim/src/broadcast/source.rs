@@ -1,6 +1,8 @@
 //! What is played: each time anew, as a sensor sees it.
 
-use handover_mesh::{ObjectTrack, Person, Point, Recording, Role, SequenceError, Stamp};
+use handover_mesh::{
+    ObjectTrack, Person, Point, PointTrack, Recording, Role, SequenceError, Stamp,
+};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
@@ -115,17 +117,20 @@ fn at(recording: &Recording, others: Option<Vec<Stamp>>) -> Result<Recording, Br
     ];
     let stamps = others.unwrap_or_else(|| recording.stamps().collect());
     let object = recording.object().map(|object| {
-        let places = stamps.iter().filter_map(|stamp| Some((*stamp, place(object, *stamp)?)));
-        ObjectTrack { name: object.name.clone(), places: places.collect() }
+        let points = object.points.iter().map(|point| {
+            let places = stamps.iter().filter_map(|stamp| Some((*stamp, place(point, *stamp)?)));
+            PointTrack { name: point.name.clone(), places: places.collect() }
+        });
+        // A point that is at none of the instants is none.
+        ObjectTrack { points: points.filter(|point| !point.places.is_empty()).collect() }
     });
-    // An object that is at none of the instants is none.
-    let object = object.filter(|object| !object.places.is_empty());
+    let object = object.filter(|object| !object.points.is_empty());
     let metadata = recording.metadata().clone();
     Ok(Recording::new(recording.name(), people, object, metadata).map_err(RecordError::from)?)
 }
 
-/// Where the object is `[m]`, between two instants at which that is known.
-fn place(object: &ObjectTrack, stamp: Stamp) -> Option<Point> {
+/// Where a point of the object is `[m]`, between two instants at which that is known.
+fn place(object: &PointTrack, stamp: Stamp) -> Option<Point> {
     let after = object.places.partition_point(|(known, _)| *known < stamp);
     let (next, there) = object.places.get(after)?;
     if *next == stamp {

@@ -206,7 +206,7 @@ impl Scene {
         };
         let people = [person(Role::First, GIVER)?, person(Role::Second, RECEIVER)?];
         let places = stamps.iter().map(|&stamp| (stamp, self.object(scene_time(stamp.seconds()))));
-        let object = ObjectTrack { name: OBJECT.into(), places: places.collect() };
+        let object = ObjectTrack::of_point(OBJECT, places.collect());
         let class = BTreeMap::from([("class".into(), "handover".into())]);
         let truth = Recording::new(name, people, Some(object), class)?;
         Ok(Take { truth, clamped_frames })

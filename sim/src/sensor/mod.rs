@@ -168,14 +168,15 @@ impl Sensor {
         random: &mut impl Rng,
     ) -> ObjectTrack {
         let camera = Camera::of(&self.config);
-        let seen = object
-            .places
-            .iter()
-            .map(|(stamp, place)| (*stamp, camera.measured(&self.config, place, random)));
-        // Measured first, dropped then: a lost frame must not change the noise of the next.
-        let places = seen.collect::<Vec<_>>().into_iter();
-        let places = places.filter(|(stamp, _)| stamps.binary_search(stamp).is_ok()).collect();
-        ObjectTrack { name: object.name.clone(), places }
+        let mut points = object.points.clone();
+        for point in &mut points {
+            for (_, place) in &mut point.places {
+                *place = camera.measured(&self.config, place, random);
+            }
+            // Measured first, dropped then: a lost frame must not change the noise of the next.
+            point.places.retain(|(stamp, _)| stamps.binary_search(stamp).is_ok());
+        }
+        ObjectTrack { points }
     }
 }
 

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use handover_mesh::formats::rate;
-use handover_mesh::{JointId, Part, Recording, Role, Side};
+use handover_mesh::{JointId, Part, PointTrack, Recording, Role, Side};
 use serde_json::{Value, json};
 
 use crate::Outcome;
@@ -129,8 +129,9 @@ fn text(file: &ReadFile) -> String {
     );
     // Writing to a String cannot fail.
     if let Some(object) = recording.object() {
-        let _ =
-            write!(text, ", object '{}' in {}", object.name, counted(object.places.len(), "frame"));
+        for PointTrack { name, places } in &object.points {
+            let _ = write!(text, ", object '{name}' in {}", counted(places.len(), "frame"));
+        }
     }
     text.push('\n');
     if let Some(Closest { distance, frame, seconds, hands: [first, second] }) =
@@ -162,9 +163,11 @@ fn value(file: &ReadFile) -> Value {
         .people()
         .iter()
         .map(|person| json!({ "name": person.name, "joints": person.motion.skeleton().names() }));
-    let object = recording
-        .object()
-        .map(|object| json!({ "name": object.name, "frames": object.places.len() }));
+    let object = recording.object().map(|object| {
+        let names: Vec<&str> = object.points.iter().map(|point| point.name.as_str()).collect();
+        let frames = object.points.iter().map(|point| point.places.len()).max();
+        json!({ "name": names.join(" "), "frames": frames })
+    });
     let closest = closest_hands(recording).map(|closest| {
         json!({
             "distance_m": closest.distance,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::bail;
-use handover_mesh::demonstration::Demonstration;
+use handover_mesh::demonstration::{Demonstration, with_object_carried};
 use handover_mesh::formats::bag;
 use handover_mesh::mesh::Pair;
 use handover_mesh::skeleton::joint_differences;
@@ -187,6 +187,17 @@ fn take(
             );
             continue;
         }
+        let recording = if config.object.attach {
+            match with_object_carried(&recording, config.object.points) {
+                Ok(with_object) => with_object,
+                Err(error) => {
+                    leave_out(&path, &format!("object.attach: {error}"));
+                    continue;
+                }
+            }
+        } else {
+            recording
+        };
         let name = format!("{}: ", recording.name());
         match Demonstration::new(Arc::new(recording), &role, &config.base_joint) {
             Ok(demonstration) => {

@@ -35,9 +35,11 @@ impl Promp {
         pose: &mut [Point],
     ) {
         let partner_base = partner[model.library().base(Who::Partner).index()];
-        let columns = demonstrated(model, perception, Who::Partner);
+        // What rides on the partner's joints tells nothing.
+        let own = model.library().skeleton(Who::Partner).own();
+        let columns = demonstrated(model, perception, Who::Partner, own);
         let mean = columns.column_mean();
-        let observed = partner.iter().flat_map(|place| {
+        let observed = partner[..own].iter().flat_map(|place| {
             let from_base = place - partner_base;
             [from_base.x, from_base.y, from_base.z]
         });
@@ -50,7 +52,8 @@ impl Promp {
         let shares = (&self.gram + DMatrix::identity(count, count) * noise)
             .cholesky()
             .map_or_else(|| DVector::zeros(count), |factor| factor.solve(&self.seen));
-        let robot = demonstrated(model, perception, Who::Robot);
+        let joints = model.library().skeleton(Who::Robot).len();
+        let robot = demonstrated(model, perception, Who::Robot, joints);
         let mean = robot.column_mean();
         let place = &mean + apart(robot, &mean) * shares;
         for (place, from_base) in pose.iter_mut().zip(place.as_slice().chunks_exact(3)) {
@@ -65,13 +68,17 @@ fn apart(mut columns: DMatrix<f64>, mean: &DVector<f64>) -> DMatrix<f64> {
     columns
 }
 
-/// Joints from the base where every demonstration is believed to be: a column each.
-fn demonstrated(model: &OnlineModel, perception: &Perception, who: Who) -> DMatrix<f64> {
+/// The first joints from the base where every demonstration is believed to be: a column each.
+fn demonstrated(
+    model: &OnlineModel,
+    perception: &Perception,
+    who: Who,
+    joints: usize,
+) -> DMatrix<f64> {
     let library = model.library();
-    let joints = library.skeleton(who).len();
     let mut columns = DMatrix::zeros(3 * joints, library.exemplars().len());
     for (followed, mut column) in perception.everywhere().zip(columns.column_iter_mut()) {
-        for joint in library.skeleton(who).joints() {
+        for joint in library.skeleton(who).joints().take(joints) {
             let from_base = library.from_base(followed.exemplar, who, followed.frame, joint);
             column.fixed_rows_mut::<3>(3 * joint.index()).copy_from(&followed.turned(from_base));
         }

@@ -93,12 +93,11 @@ fn finish(
         Person { name: first, motion: Sequence::new(skeleton, frames)? },
         Person { name: second, motion: Sequence::new(other, others)? },
     ];
-    let object = object.map(|track| ObjectTrack {
-        name: object_name(&track),
-        places: at_stamps(&track, &stamps, notes),
-    });
+    let object = object.map(|track| (object_name(&track), at_stamps(&track, &stamps, notes)));
+    let object = object.filter(|(_, places)| !places.is_empty());
+    let object = object.map(|(name, places)| ObjectTrack::of_point(name, places));
     metadata.remove(people::PEOPLE);
-    Ok(Recording::new(name, people, object.filter(|o| !o.places.is_empty()), metadata)?)
+    Ok(Recording::new(name, people, object, metadata)?)
 }
 
 /// Both people's frames at the first one's stamps, where both are known.

@@ -10,7 +10,7 @@ use super::folder::{self, TopicEntry};
 use super::{definitions, people, records};
 use crate::bodies::{Body, to_joint_state};
 use crate::messages::{Header, Message, Pose, PoseStamped, Time, encode};
-use crate::skeleton::{Part, Recording};
+use crate::skeleton::{Part, PointTrack, Recording};
 use crate::time::Stamp;
 
 /// The frame that recordings are in.
@@ -34,6 +34,14 @@ pub enum WriteError {
         person: String,
         /// Its name.
         joint: String,
+    },
+    /// A pose says where one point is.
+    #[error(
+        "the object has {points} points, and a bag has one pose for it (hint: a CSV holds all)"
+    )]
+    ObjectPoints {
+        /// How many it has.
+        points: usize,
     },
     /// Beyond what a message's stamp can say.
     #[error("stamp {stamp} is beyond ±68 years")]
@@ -222,7 +230,8 @@ impl Writer {
 ///
 /// [`read`](super::read) gives the same recording back, names, stamps and coordinates to the bit, if
 /// its joints are in canonical order as every reader leaves them, within 1000 m, and its object is
-/// at frames' stamps.
+/// at frames' stamps. What rides on a joint is left out: it says no more than the joint and the
+/// object do.
 ///
 /// - `file`: the name that the metadata give the MCAP file.
 ///
@@ -240,8 +249,7 @@ pub fn write(recording: &Recording, file: &str) -> Result<Written, WriteError> {
         let name = format!("/{}/skeleton", person.name);
         skeletons.push(bag.topic(&name, crate::messages::MultiDofJointState::TYPE, false)?);
     }
-    let object = recording.object();
-    let mut object = match object {
+    let mut object = match point(recording)? {
         Some(object) => {
             let name = format!("/{}/object_pose", object.name);
             let topic = bag.topic(&name, PoseStamped::TYPE, false)?;
@@ -256,9 +264,10 @@ pub fn write(recording: &Recording, file: &str) -> Result<Written, WriteError> {
             bag.message(*topic, *time, &encode(&pose(*time, *place)))?;
         }
         for (person, topic) in recording.people().iter().zip(&skeletons) {
-            let names = person.motion.skeleton().names().iter().cloned();
+            let skeleton = person.motion.skeleton();
+            let names = skeleton.names().iter().cloned();
             let places = person.motion.frames()[number].positions.iter().copied();
-            let joints = names.zip(places).collect();
+            let joints = names.zip(places).take(skeleton.own()).collect();
             let body = Body { stamp, frame: WORLD.to_owned(), id: None, joints };
             bag.message(*topic, stamp, &encode(&to_joint_state(&body)))?;
         }
@@ -271,6 +280,15 @@ pub fn write(recording: &Recording, file: &str) -> Result<Written, WriteError> {
     bag.finish()
 }
 
+/// The only point of the object.
+fn point(recording: &Recording) -> Result<Option<&PointTrack>, WriteError> {
+    match recording.object().map(|object| &object.points[..]) {
+        None | Some([]) => Ok(None),
+        Some([point]) => Ok(Some(point)),
+        Some(points) => Err(WriteError::ObjectPoints { points: points.len() }),
+    }
+}
+
 fn pose(stamp: Stamp, place: crate::geometry::Point) -> PoseStamped {
     let header = Header { stamp: Time::of(stamp), frame_id: WORLD.to_owned() };
     PoseStamped { header, pose: Pose { position: place.into(), ..Pose::default() } }
@@ -278,7 +296,8 @@ fn pose(stamp: Stamp, place: crate::geometry::Point) -> PoseStamped {
 
 fn check(recording: &Recording) -> Result<(), WriteError> {
     let names = recording.people().iter().map(|person| &person.name);
-    for name in names.chain(recording.object().map(|object| &object.name)) {
+    let object = point(recording)?;
+    for name in names.chain(object.map(|point| &point.name)) {
         let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
         if !name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
             || !name.chars().all(is_part)
@@ -287,14 +306,15 @@ fn check(recording: &Recording) -> Result<(), WriteError> {
         }
     }
     for person in recording.people() {
-        for joint in person.motion.skeleton().names() {
+        let skeleton = person.motion.skeleton();
+        for joint in &skeleton.names()[..skeleton.own()] {
             if Part::from_name(joint).is_none() {
                 let (person, joint) = (person.name.clone(), joint.clone());
                 return Err(WriteError::UnknownJoint { person, joint });
             }
         }
     }
-    let places = recording.object().into_iter().flat_map(|object| &object.places);
+    let places = object.into_iter().flat_map(|point| &point.places);
     let stamps = recording.stamps().chain(places.map(|(stamp, _)| *stamp));
     if let Some(stamp) = stamps.into_iter().find(|stamp| Time::of(*stamp).stamp() != *stamp) {
         return Err(WriteError::Stamp { stamp });

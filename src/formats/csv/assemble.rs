@@ -11,7 +11,7 @@ use super::super::rate;
 use super::rows::{Row, Table, Who};
 use super::{OBJECT, rows::FrameStart};
 use crate::geometry::Point;
-use crate::skeleton::{Frame, ObjectTrack, Person, Recording, Sequence, Skeleton};
+use crate::skeleton::{Frame, ObjectTrack, Person, PointTrack, Recording, Sequence, Skeleton};
 use crate::time::Stamp;
 
 /// The recording, unless something is wrong, which is noted.
@@ -71,13 +71,13 @@ struct Presence {
 fn presence(table: &Table, violations: &mut Violations) -> [Presence; 2] {
     let empty = Presence { frames: 0, joints: vec![(0, 0); table.joints.len()] };
     let mut presence = [empty.clone(), empty];
-    // One slot for each joint of both people and one for the object.
-    let mut seen = vec![None; 2 * table.joints.len() + 1];
+    // One slot for each joint of both people and for each point of the object.
+    let mut seen = vec![None; 2 * table.joints.len() + table.points.len()];
     let mut last = [None; 2];
     for row in &table.rows {
         let slot = match row.who {
             Who::Joint { person, joint } => person * table.joints.len() + joint,
-            Who::Object => 2 * table.joints.len(),
+            Who::Object { point } => 2 * table.joints.len() + point,
         };
         if seen[slot].replace(row.frame) == Some(row.frame) {
             violations.add(row.line, repeated(table, row));
@@ -97,7 +97,7 @@ fn repeated(table: &Table, row: &Row) -> Reason {
         Who::Joint { person, joint } => {
             (table.people[person].0.clone(), table.joints[joint].clone())
         }
-        Who::Object => (OBJECT.into(), table.object.clone().unwrap_or_default()),
+        Who::Object { point } => (OBJECT.into(), table.points[point].clone()),
     };
     Reason::RepeatedJoint { frame: table.frames[row.frame].number, person, joint }
 }
@@ -204,10 +204,14 @@ fn finish(
         Ok::<_, Reason>(Person { name: table.people[at].0.clone(), motion })
     };
     let people = [person(0, first)?, person(1, second)?];
-    let object = table.object.clone().map(|name| {
-        let rows = table.rows.iter().filter(|row| row.who == Who::Object);
-        let places = rows.filter_map(|row| Some((table.frames[row.frame].stamp?, row.point)));
-        ObjectTrack { name, places: places.collect() }
-    });
+    let mut points: Vec<PointTrack> = Vec::new();
+    points
+        .extend(table.points.iter().map(|name| PointTrack { name: name.clone(), places: vec![] }));
+    for row in &table.rows {
+        if let (Who::Object { point }, Some(stamp)) = (row.who, table.frames[row.frame].stamp) {
+            points[point].places.push((stamp, row.point));
+        }
+    }
+    let object = (!points.is_empty()).then_some(ObjectTrack { points });
     Ok(Recording::new(name, people, object, metadata)?)
 }

@@ -3,7 +3,7 @@
 //! One row a joint, `frame,time_s,person,joint,x,y,z`: seconds and metres. The rows of a frame
 //! stand together and bear the same time; frame numbers and times rise. Two people, the first one
 //! named is [`Role::First`](crate::Role::First); rows of the person `object` are the object's
-//! place (`joint` is its name), which may be missing in some frames. Lines `# key=value` before
+//! place (`joint` is its name, or that of a point of it), which may be missing in some frames. Lines `# key=value` before
 //! the header are the clip's metadata.
 //!
 //! Joints come out in canonical order whatever the order of rows, and every number is written so

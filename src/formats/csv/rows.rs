@@ -11,8 +11,11 @@ use super::super::field;
 use super::super::up::UpAxis;
 use super::{COLUMNS, OBJECT};
 use crate::geometry::Point;
-use crate::skeleton::{Part, SkeletonError};
+use crate::skeleton::{Part, Skeleton, SkeletonError};
 use crate::time::Stamp;
+
+/// An object has no more points than this.
+const MOST_POINTS: usize = Skeleton::MAX_JOINTS;
 
 /// All rows that could be read.
 #[derive(Default)]
@@ -24,7 +27,8 @@ pub(super) struct Table {
     pub(super) people: Vec<(String, u64)>,
     /// Every joint of any person.
     pub(super) joints: Vec<String>,
-    pub(super) object: Option<String>,
+    /// Every point of the object.
+    pub(super) points: Vec<String>,
 }
 
 /// Where a frame starts and what holds for all of it.
@@ -49,11 +53,11 @@ pub(super) struct Row {
     pub(super) point: Point,
 }
 
-/// Whose place it is: indices into the table's people and joints.
+/// Whose place it is: indices into the table's people, joints and points.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Who {
     Joint { person: usize, joint: usize },
-    Object,
+    Object { point: usize },
 }
 
 struct Reader<'a> {
@@ -201,21 +205,26 @@ impl Reader<'_> {
             return None;
         }
         if person == OBJECT {
-            return self.object(joint, line).then_some(Who::Object);
+            return Some(Who::Object { point: self.point(joint, line)? });
         }
         let person_known = self.person(person, line);
         let joint = self.joint(joint, person, line);
         Some(Who::Joint { person: person_known?, joint: joint? })
     }
 
-    fn object(&mut self, name: &str, line: u64) -> bool {
-        let first = self.table.object.get_or_insert_with(|| name.into());
-        let same = first == name;
-        if !same && self.refused.insert(format!("object/{name}")) {
-            let (first, second) = (shortened(first), shortened(name));
-            self.violations.add(line, Reason::SecondObject { first, second });
+    fn point(&mut self, name: &str, line: u64) -> Option<usize> {
+        if let Some(known) = self.table.points.iter().position(|known| known == name) {
+            return Some(known);
         }
-        same
+        // So the search above is short, whatever the file holds.
+        if self.table.points.len() == MOST_POINTS {
+            if self.refused.insert("object".to_owned()) {
+                self.violations.add(line, Reason::ManyPoints { most: MOST_POINTS });
+            }
+            return None;
+        }
+        self.table.points.push(name.into());
+        Some(self.table.points.len() - 1)
     }
 
     fn person(&mut self, name: &str, line: u64) -> Option<usize> {

@@ -40,7 +40,8 @@ pub enum WriteError {
 /// Writes the recording: metadata sorted, one row a joint, `\n` line ends.
 ///
 /// [`read`](super::read) gives the same recording back, names, stamps and coordinates to the bit,
-/// if its joints are in canonical order as every reader leaves them and within 1000 m.
+/// if its joints are in canonical order as every reader leaves them and within 1000 m. What rides on
+/// a joint is left out: it says no more than the joint and the object do.
 ///
 /// # Errors
 /// [`WriteError`] if the recording holds what a CSV cannot.
@@ -65,24 +66,27 @@ fn write_by(
 ) -> Result<String, WriteError> {
     check_names(recording)?;
     let mut rows = ::csv::WriterBuilder::new().has_headers(false).from_writer(Vec::new());
-    let mut places = recording.object().map(|o| o.places.iter().peekable());
+    let points = recording.object().map_or(&[][..], |object| &object.points);
+    let mut places: Vec<_> = points.iter().map(|point| point.places.iter().peekable()).collect();
     for (number, stamp) in recording.stamps().enumerate() {
         let head = [number.to_string(), field::stamp_text(stamp)];
         for person in recording.people() {
-            let positions = &person.motion.frames()[number].positions;
-            for (joint, point) in person.motion.skeleton().names().iter().zip(positions) {
+            let (skeleton, frame) = (person.motion.skeleton(), &person.motion.frames()[number]);
+            let joints = skeleton.names().iter().zip(&frame.positions);
+            for (joint, point) in joints.take(skeleton.own()) {
                 write_row(&mut rows, &head, [&person.name, joint], point, &coordinate);
             }
         }
-        let Some((object, places)) = recording.object().zip(places.as_mut()) else { continue };
-        if let Some((time, point)) = places.next_if(|(time, _)| *time <= stamp) {
-            if *time < stamp {
-                return Err(WriteError::ObjectBetweenFrames { time: *time });
+        for (object, places) in points.iter().zip(&mut places) {
+            if let Some((time, point)) = places.next_if(|(time, _)| *time <= stamp) {
+                if *time < stamp {
+                    return Err(WriteError::ObjectBetweenFrames { time: *time });
+                }
+                write_row(&mut rows, &head, [OBJECT, &object.name], point, &coordinate);
             }
-            write_row(&mut rows, &head, [OBJECT, &object.name], point, &coordinate);
         }
     }
-    if let Some((time, _)) = places.as_mut().and_then(Iterator::next) {
+    if let Some((time, _)) = places.iter_mut().find_map(Iterator::next) {
         return Err(WriteError::ObjectBetweenFrames { time: *time });
     }
     let rows = rows.into_inner().unwrap_or_default();
@@ -109,17 +113,17 @@ fn check_names(recording: &Recording) -> Result<(), WriteError> {
         if blank(name) || name == OBJECT {
             return Err(WriteError::PersonName { name: name.clone() });
         }
-        for joint in person.motion.skeleton().names() {
+        let skeleton = person.motion.skeleton();
+        for joint in &skeleton.names()[..skeleton.own()] {
             if Part::from_name(joint).is_none() {
                 let (person, joint) = (name.clone(), joint.clone());
                 return Err(WriteError::UnknownJoint { person, joint });
             }
         }
     }
-    match recording.object() {
-        Some(object) if blank(&object.name) => {
-            Err(WriteError::ObjectName { name: object.name.clone() })
-        }
-        _ => Ok(()),
+    let mut points = recording.object().into_iter().flat_map(|object| &object.points);
+    match points.find(|point| blank(&point.name)) {
+        Some(point) => Err(WriteError::ObjectName { name: point.name.clone() }),
+        None => Ok(()),
     }
 }

@@ -119,6 +119,8 @@ fn trajectory(model: &OnlineModel, target: &Target, header: Header) -> MultiDofT
     /// More points than this say no more.
     const MOST: i64 = 64;
     let skeleton = model.library().skeleton(Who::Robot);
+    // What rides on a joint goes with it, and is nothing that a robot moves.
+    let own = skeleton.own();
     let stands_in = target.stands_in();
     let step = model.library().step().0.max(stands_in.0 / MOST).max(1);
     let point = |ahead: Span, joints: &[Point], velocities: &[Vector]| {
@@ -126,8 +128,8 @@ fn trajectory(model: &OnlineModel, target: &Target, header: Header) -> MultiDofT
             |place: &Point| Transform { translation: (*place).into(), ..Transform::default() };
         let twist = |velocity: &Vector| Twist { linear: (*velocity).into(), ..Twist::default() };
         MultiDofPoint {
-            transforms: joints.iter().map(place).collect(),
-            velocities: velocities.iter().map(twist).collect(),
+            transforms: joints[..own].iter().map(place).collect(),
+            velocities: velocities[..own].iter().map(twist).collect(),
             accelerations: Vec::new(),
             time_from_start: Duration::of(ahead),
         }
@@ -143,7 +145,7 @@ fn trajectory(model: &OnlineModel, target: &Target, header: Header) -> MultiDofT
             point(ahead, &joints, &velocities)
         }));
     }
-    MultiDofTrajectory { header, joint_names: skeleton.names().to_vec(), points }
+    MultiDofTrajectory { header, joint_names: skeleton.names()[..own].to_vec(), points }
 }
 
 /// The hand, x along the forearm, z as far up as that leaves.

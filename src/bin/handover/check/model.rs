@@ -83,7 +83,7 @@ fn text(model: &Model) -> String {
         "model, the robot is {}, base {}; format {}, written by handover_mesh {}",
         robot(model),
         model.base_joint(),
-        Model::FORMAT_VERSION,
+        model.format_version(),
         model.program_version()
     )];
     for (role, name) in [Role::First, Role::Second].into_iter().zip(model.people()) {
@@ -155,7 +155,7 @@ fn value(path: &Path, model: &Model) -> Value {
         "good": true,
         "errors": [],
         "format": "model",
-        "format_version": Model::FORMAT_VERSION,
+        "format_version": model.format_version(),
         "program_version": model.program_version(),
         "role": robot(model),
         "base_joint": model.base_joint(),
