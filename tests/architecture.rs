@@ -9,13 +9,14 @@ use std::path::Path;
 
 /// Who may import whom: a module, its layer, and the neighbours in its own layer it builds on.
 /// Whatever stands in a lower layer is allowed.
-const LAYERS: [(&str, u32, &[&str]); 30] = [
+const LAYERS: [(&str, u32, &[&str]); 32] = [
     ("geometry", 0, &[]),
     ("time", 0, &[]),
     ("settings", 0, &[]),
     ("statistics", 0, &[]),
     ("linear", 0, &[]),
     ("delaunay", 0, &["geometry"]),
+    ("rotations", 0, &["geometry"]),
     ("align", 0, &[]),
     ("parameters", 0, &[]),
     ("lifecycle", 0, &[]),
@@ -23,6 +24,7 @@ const LAYERS: [(&str, u32, &[&str]); 30] = [
     ("kinematics", 1, &[]),
     ("motion", 1, &[]),
     ("messages", 1, &[]),
+    ("blend", 1, &[]),
     ("frames", 2, &[]),
     ("bodies", 2, &["frames"]),
     ("formats", 2, &["bodies", "frames"]),

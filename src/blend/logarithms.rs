@@ -90,6 +90,9 @@ fn continuous(
         let rank = |at: usize| square(&principal[at]) + if is_beyond(at) { 0.0 } else { 1e3 };
         let other = from_least(&rank);
         let turns = turning(&other);
+        if turns.iter().zip(&least).all(|(turns, least)| turns >= least) {
+            break;
+        }
         for (at, part) in connections.part_of().iter().enumerate() {
             if turns[*part as usize] < least[*part as usize] {
                 best[at] = other[at];

@@ -13,9 +13,12 @@ use crate::rotations::{LANES, Lanes, Matrices, Quaternions, lane_of};
 /// Symmetric matrices: `xx yy zz yz xz xy`.
 pub(super) type Symmetric = [Lanes; 6];
 
-/// Sweeps of the decomposition: from the third on it converges quadratically, and the fifth finds
-/// nothing left to do.
-const SWEEPS: usize = 5;
+/// Sweeps of the decomposition at most: from the third on it converges quadratically.
+const SWEEPS: usize = 6;
+
+/// What is left beside the diagonal, squared, as a share of the diagonal's squares: the next sweep
+/// would bring it far below rounding.
+const SETTLED: f64 = 1e-20;
 
 /// Terms of the exponential's series: the next is below rounding for matrices of norm ½.
 const TERMS: usize = 14;
@@ -54,6 +57,17 @@ pub(super) fn log_symmetric(stretches: &Symmetric) -> Symmetric {
         basis[axis][axis] = [1.0; LANES];
     }
     for _ in 0..SWEEPS {
+        let mut is_left = 0.0;
+        for lane in 0..LANES {
+            let square = |of: &[Lanes; 3]| {
+                of[0][lane] * of[0][lane] + of[1][lane] * of[1][lane] + of[2][lane] * of[2][lane]
+            };
+            let left = square(&off) > SETTLED * square(&diagonal);
+            is_left += f64::from(u8::from(left));
+        }
+        if is_left == 0.0 {
+            break;
+        }
         // `off[k]` is the entry of the two axes that are not `k`.
         for k in 0..3 {
             let (p, q) = ((k + 1) % 3, (k + 2) % 3);
@@ -119,38 +133,43 @@ pub(super) fn exp_symmetric(x: &Symmetric) -> Symmetric {
         q[lane] = a * (b * c - d * d) - f * (f * c - d * e) + e * (f * d - b * e);
     }
     for lane in 0..LANES {
-        most = most.max(p[lane]);
+        most = most.max(p[lane]).max(0.5 * trace[lane] * trace[lane]);
     }
-    // ‖Y‖ ≤ √(2p), brought below one half.
+    // ‖Y‖ ≤ √(2p), brought below one half, and so is t.
     let mut halvings = 0;
     while most > 0.125 && halvings < 64 {
         most *= 0.25;
         halvings += 1;
     }
     let share = 0.5f64.powi(halvings);
-    let (mut a, mut b, mut c) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
     for lane in 0..LANES {
-        let p = p[lane] * share * share;
-        let q = q[lane] * share * share * share;
-        let (mut a0, mut b0, mut c0) = (1.0, 0.0, 0.0);
-        // Horner: 1 + Y (1 + Y/2 (1 + Y/3 (…))).
-        for term in (1..=TERMS).rev() {
-            let inverse = 1.0 / term as f64;
-            (a0, b0, c0) = (1.0 + c0 * q * inverse, (a0 + c0 * p) * inverse, b0 * inverse);
-        }
-        for _ in 0..halvings {
-            // (a + bY + cY²)², with Y³ = pY + q and Y⁴ = pY² + qY.
-            let (third, fourth) = (2.0 * b0 * c0, c0 * c0);
-            (a0, b0, c0) = (
-                a0 * a0 + third * q,
-                2.0 * a0 * b0 + third * p + fourth * q,
-                2.0 * a0 * c0 + b0 * b0 + fourth * p,
-            );
-        }
-        (a[lane], b[lane], c[lane]) = (a0, b0, c0);
+        p[lane] *= share * share;
+        q[lane] *= share * share * share;
+        trace[lane] *= share;
     }
-    for lane in 0..LANES {
-        trace[lane] = trace[lane].exp();
+    let (mut a, mut b, mut c) = ([1.0; LANES], [0.0; LANES], [0.0; LANES]);
+    let mut scale = [1.0; LANES];
+    // Horner: 1 + Y (1 + Y/2 (1 + Y/3 (…))).
+    for term in (1..=TERMS).rev() {
+        let inverse = 1.0 / term as f64;
+        for lane in 0..LANES {
+            let (a0, b0, c0) = (a[lane] * inverse, b[lane] * inverse, c[lane] * inverse);
+            a[lane] = c0.mul_add(q[lane], 1.0);
+            b[lane] = c0.mul_add(p[lane], a0);
+            c[lane] = b0;
+            scale[lane] = (scale[lane] * inverse).mul_add(trace[lane], 1.0);
+        }
+    }
+    for _ in 0..halvings {
+        for lane in 0..LANES {
+            // (a + bY + cY²)², with Y³ = pY + q and Y⁴ = pY² + qY.
+            let (a0, b0, c0, p, q) = (a[lane], b[lane], c[lane], p[lane], q[lane]);
+            let (third, fourth) = (2.0 * b0 * c0, c0 * c0);
+            a[lane] = a0 * a0 + third * q;
+            b[lane] = 2.0 * a0 * b0 + third * p + fourth * q;
+            c[lane] = 2.0 * a0 * c0 + b0 * b0 + fourth * p;
+            scale[lane] *= scale[lane];
+        }
     }
     let mut found = [[0.0; LANES]; 6];
     for lane in 0..LANES {
@@ -168,7 +187,7 @@ pub(super) fn exp_symmetric(x: &Symmetric) -> Symmetric {
         for part in 0..6 {
             let unit = if part < 3 { a[lane] } else { 0.0 };
             let value = unit + b[lane] * firsts[part] + c[lane] * squares[part];
-            found[part][lane] = trace[lane] * value;
+            found[part][lane] = scale[lane] * value;
         }
     }
     found
@@ -192,31 +211,39 @@ pub(super) fn exp_rotations(vectors: &[Lanes; 3]) -> Quaternions {
         halvings += 1;
     }
     let share = 0.5f64.powi(halvings);
-    let mut found = [[0.0; LANES]; 4];
-    for lane in 0..LANES {
-        let h = square[lane] * share * share;
-        // cos √h and sin √h / √h.
-        let (mut cosine, mut sine) = (1.0, 1.0);
-        for term in (1..=HALF_TERMS).rev() {
-            let n = 2.0 * term as f64;
-            let [of_cosine, of_sine] = [1.0 / (n * (n - 1.0)), 1.0 / (n * (n + 1.0))];
-            cosine = 1.0 - cosine * h * of_cosine;
-            sine = 1.0 - sine * h * of_sine;
+    // cos √h and sin √h / √h.
+    let (mut cosine, mut sine) = ([1.0; LANES], [1.0; LANES]);
+    for term in (1..=HALF_TERMS).rev() {
+        let n = 2.0 * term as f64;
+        let [of_cosine, of_sine] = [-1.0 / (n * (n - 1.0)), -1.0 / (n * (n + 1.0))];
+        for lane in 0..LANES {
+            let h = square[lane] * share * share;
+            cosine[lane] = (cosine[lane] * of_cosine).mul_add(h, 1.0);
+            sine[lane] = (sine[lane] * of_sine).mul_add(h, 1.0);
         }
-        let along = 0.5 * share * sine;
-        let mut w = cosine;
-        let mut x = along * vectors[0][lane];
-        let mut y = along * vectors[1][lane];
-        let mut z = along * vectors[2][lane];
-        for _ in 0..halvings {
+    }
+    let mut found = [cosine, [0.0; LANES], [0.0; LANES], [0.0; LANES]];
+    for axis in 0..3 {
+        for lane in 0..LANES {
+            found[axis + 1][lane] = 0.5 * share * sine[lane] * vectors[axis][lane];
+        }
+    }
+    for _ in 0..halvings {
+        for lane in 0..LANES {
+            let (w, x, y, z) = (found[0][lane], found[1][lane], found[2][lane], found[3][lane]);
             let twice = 2.0 * w;
-            (w, x, y, z) = (w * w - (x * x + y * y + z * z), twice * x, twice * y, twice * z);
+            found[0][lane] = w * w - (x * x + y * y + z * z);
+            found[1][lane] = twice * x;
+            found[2][lane] = twice * y;
+            found[3][lane] = twice * z;
         }
+    }
+    for lane in 0..LANES {
+        let (w, x, y, z) = (found[0][lane], found[1][lane], found[2][lane], found[3][lane]);
         let length = 1.0 / (w * w + x * x + y * y + z * z).sqrt();
-        found[0][lane] = w * length;
-        found[1][lane] = x * length;
-        found[2][lane] = y * length;
-        found[3][lane] = z * length;
+        for part in 0..4 {
+            found[part][lane] *= length;
+        }
     }
     found
 }
