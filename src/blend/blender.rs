@@ -5,7 +5,9 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::connections::Connections;
 use super::gradients::{self, Block};
-use super::logarithms::{Sums, add_weighted, logarithms, products, rotations_and_stretches, times};
+use super::logarithms::{
+    Logarithms, add_weighted, logarithms, products, rotations_and_stretches, times, turned_further,
+};
 use super::normal::{Normal, Room};
 use super::tangent::Symmetric;
 use super::{BlendError, Structure, Tetrisation, Triangles, tetrise};
@@ -147,7 +149,7 @@ pub struct Blender {
     /// The part of each tetrahedron.
     part_of: Vec<u32>,
     /// Of each shape but the reference.
-    sums: Vec<Vec<Sums>>,
+    logarithms: Vec<Logarithms>,
     normal: Normal,
     parts: Vec<Part>,
     /// Vertices in no tetrahedron and those that hold their part, with their places in each shape.
@@ -281,12 +283,12 @@ impl Blender {
                 part.means = Some(shapes.iter().map(|shape| mean(&part.vertices, shape)).collect());
             }
         }
-        let logarithms = |shape: &Vec<Point>| {
+        let take_logarithms = |shape: &Vec<Point>| {
             logarithms(arch, &structure, &connections, &blocks, shape, settings.rotation)
         };
-        let (normal, sums) = rayon::join(
+        let (normal, logarithms) = rayon::join(
             || Normal::new(&structure, &connections, &blocks, &is_known),
-            || shapes[1..].iter().map(logarithms).collect(),
+            || shapes[1..].iter().map(take_logarithms).collect(),
         );
         let normal = normal?;
         let part_of = connections.part_of().to_vec();
@@ -300,7 +302,7 @@ impl Blender {
             tetrahedra,
             blocks,
             part_of,
-            sums,
+            logarithms,
             normal,
             parts,
             linear,
@@ -364,7 +366,11 @@ impl Blender {
     /// # Panics
     /// If there is not one weight a shape or one place a vertex: the caller's bug.
     pub fn blend(&self, weights: &[f64], workspace: &mut Workspace, out: &mut [Point]) -> Blended {
-        assert_eq!(weights.len(), self.sums.len(), "one weight for each shape after the reference");
+        assert_eq!(
+            weights.len(),
+            self.logarithms.len(),
+            "one weight for each shape after the reference"
+        );
         assert_eq!(out.len(), self.vertices, "one place a vertex");
         for (vertex, places) in &self.linear {
             workspace.shape[*vertex as usize] = weighted(places, weights);
@@ -454,10 +460,19 @@ impl WithSimd for SetTargets<'_> {
         workspace.pulls.fill(Vector::zeros());
         for (at, block) in blender.blocks.iter().enumerate() {
             let mut sums = [[0.0; LANES]; 9];
-            for (weight, of_shape) in weights.iter().zip(&blender.sums) {
-                add_weighted(*weight, &of_shape[at], &mut sums);
+            let (mut rests, mut has_rests) = ([[0.0; LANES]; 3], false);
+            for (weight, of_shape) in weights.iter().zip(&blender.logarithms) {
+                add_weighted(*weight, &of_shape.sums[at], &mut sums);
+                if let Some(of_shape) = &of_shape.rests {
+                    add_weighted(*weight, &of_shape[at], &mut rests);
+                    has_rests = true;
+                }
             }
-            let (rotations, stretches) = rotations_and_stretches(&sums, blender.settings.rotation);
+            let (mut rotations, stretches) =
+                rotations_and_stretches(&sums, blender.settings.rotation);
+            if has_rests {
+                rotations = turned_further(&rotations, &rests);
+            }
             block.pull(&products(&rotations, &stretches), &mut workspace.pulls);
             workspace.targets[at] = rotations;
             workspace.stretches[at] = stretches;

@@ -15,7 +15,9 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::connections::Connections;
 use super::gradients::{self, Block};
-use super::logarithms::{Sums, add_weighted, logarithms, products, rotations_and_stretches};
+use super::logarithms::{
+    Logarithms, Sums, add_weighted, logarithms, products, rotations_and_stretches,
+};
 use super::{BlendError, Rotation, Structure};
 use crate::geometry::{Point, Vector, is_finite};
 use crate::rotations::{LANES, Lanes, Matrices};
@@ -24,7 +26,7 @@ use crate::rotations::{LANES, Lanes, Matrices};
 const FADE: f64 = 0.1;
 
 /// The doubt about a tetrahedron that is inside out, `q`.
-const MOST_DOUBT: f64 = 1e9;
+const MOST_DOUBT: f64 = 1e15;
 
 /// A small structure at rest, ready for shapes; immutable.
 #[derive(Debug, Clone)]
@@ -45,7 +47,7 @@ pub struct DenseBlender {
 pub struct Apart {
     /// Of each block.
     sums: Vec<Sums>,
-    /// How near to inside out each is: `q` `[-]`, 0 to 1e9.
+    /// How near to inside out each is: `q` `[-]`, 0 to 1e15.
     doubts: Vec<Lanes>,
 }
 
@@ -135,11 +137,18 @@ impl DenseBlender {
                 doubts: vec![[MOST_DOUBT; LANES]; blocks],
             };
         }
-        let doubts: Vec<Lanes> =
+        let mut doubts: Vec<Lanes> =
             self.blocks.iter().map(|block| doubts(&block.maps(shape))).collect();
         let Self { structure, connections, blocks, arch, .. } = self;
         let rotation = Rotation::Continuous;
-        let mut sums = logarithms(*arch, structure, connections, blocks, shape, rotation);
+        let Logarithms { mut sums, rests } =
+            logarithms(*arch, structure, connections, blocks, shape, rotation);
+        // What is turned so far that one vector does not tell it takes the mean as well.
+        for (rests, doubts) in rests.iter().flatten().zip(&mut doubts) {
+            for lane in (0..LANES).filter(|lane| (0..3).any(|axis| rests[axis][*lane] != 0.0)) {
+                doubts[lane] = MOST_DOUBT;
+            }
+        }
         for (sums, doubts) in sums.iter_mut().zip(&doubts) {
             for lane in (0..LANES).filter(|lane| doubts[*lane] >= MOST_DOUBT) {
                 // What is inside out has no logarithm.

@@ -14,31 +14,31 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::Structure;
 use super::blender::Rotation;
+use super::branches::{self, Turn};
 use super::connections::Connections;
 use super::gradients::Block;
 use super::tangent::{
-    Symmetric, exp_rotations, exp_symmetric, log_rotation, log_symmetric, nearest_branch, stretches,
+    Symmetric, exp_rotations, exp_symmetric, log_rotation, log_symmetric, stretches,
 };
-use crate::geometry::Point;
+use crate::geometry::{Point, Vector};
 use crate::rotations::{
     IDENTITIES, LANES, Lanes, Matrices, Quaternions, best_rotations, lane_of, matrix,
 };
-
-/// From how many beginnings a continuous logarithm is tried at most.
-const BEGINNINGS: usize = 4;
 
 /// Eight tetrahedra: the rotation's vector `[rad]`, then the stretch's `xx yy zz yz xz xy`.
 pub(super) type Sums = [Lanes; 9];
 
 /// A shape's tetrahedra, each as numbers that may be added.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Logarithms {
+    pub(super) sums: Vec<Sums>,
+    /// Rotations' vectors that come on top, see [`super::branches`]; none where all are 0.
+    pub(super) rests: Option<Vec<[Lanes; 3]>>,
+}
+
+/// Takes a shape's tetrahedra as numbers that may be added.
 ///
 /// - `shape`: `[m]`, ghosts among them; every tetrahedron positive.
-///
-/// The continuous logarithm goes breadth-first through what hangs together: each tetrahedron takes
-/// the branch nearest to the mean of those before it at its corners, so that one that is turned oddly
-/// leads nobody astray. It begins with the one that is turned least; as that may have come there by
-/// a whole turn, it begins again where it went beyond half a turn, and of a few such beginnings the
-/// one that turns all together least counts.
 pub(super) fn logarithms(
     arch: Arch,
     structure: &Structure,
@@ -46,105 +46,41 @@ pub(super) fn logarithms(
     blocks: &[Block],
     shape: &[Point],
     rotation: Rotation,
-) -> Vec<Sums> {
+) -> Logarithms {
     let mut sums: Vec<Sums> = vec![[[0.0; LANES]; 9]; blocks.len()];
-    arch.dispatch(Logarithms { blocks, shape, rotation, sums: &mut sums });
+    arch.dispatch(TakeLogarithms { blocks, shape, rotation, sums: &mut sums });
+    let mut rests = None;
     if rotation == Rotation::Continuous {
-        let principal = sums
-            .iter()
-            .flat_map(|sums| (0..LANES).map(|lane| [sums[0][lane], sums[1][lane], sums[2][lane]]));
-        let principal: Vec<[f64; 3]> = principal.take(structure.tetrahedra().len()).collect();
-        for (at, vector) in continuous(structure, connections, &principal).into_iter().enumerate() {
+        let principal = sums.iter().flat_map(|sums| {
+            (0..LANES).map(|lane| Vector::new(sums[0][lane], sums[1][lane], sums[2][lane]))
+        });
+        let principal: Vec<Vector> = principal.take(structure.tetrahedra().len()).collect();
+        let turns = branches::continuous(structure, connections, &principal);
+        for (at, Turn { vector, rest }) in turns.into_iter().enumerate() {
+            let (block, lane) = (at / LANES, at % LANES);
             for axis in 0..3 {
-                sums[at / LANES][axis][at % LANES] = vector[axis];
+                sums[block][axis][lane] = vector[axis];
             }
-        }
-    }
-    sums
-}
-
-/// The branches of rotations' vectors that are continuous over neighbours and turn least.
-fn continuous(
-    structure: &Structure,
-    connections: &Connections,
-    principal: &[[f64; 3]],
-) -> Vec<[f64; 3]> {
-    let square = |vector: &[f64; 3]| vector.iter().map(|along| along * along).sum::<f64>();
-    let turning = |vectors: &[[f64; 3]]| {
-        let mut sums = vec![0.0; connections.parts()];
-        for (part, vector) in connections.part_of().iter().zip(vectors) {
-            sums[*part as usize] += square(vector);
-        }
-        sums
-    };
-    let from_least = |rank: &dyn Fn(usize) -> f64| {
-        go_on(structure, &connections.breadth_first(structure, rank), principal)
-    };
-    let mut best = from_least(&|at| square(&principal[at]));
-    let mut least = turning(&best);
-    for _ in 1..BEGINNINGS {
-        let is_beyond = |at: usize| square(&best[at]) > square(&principal[at]) + 1e-6;
-        if !(0..principal.len()).any(is_beyond) {
-            break;
-        }
-        let rank = |at: usize| square(&principal[at]) + if is_beyond(at) { 0.0 } else { 1e3 };
-        let other = from_least(&rank);
-        let turns = turning(&other);
-        if turns.iter().zip(&least).all(|(turns, least)| turns >= least) {
-            break;
-        }
-        for (at, part) in connections.part_of().iter().enumerate() {
-            if turns[*part as usize] < least[*part as usize] {
-                best[at] = other[at];
-            }
-        }
-        for (least, turns) in least.iter_mut().zip(turns) {
-            *least = least.min(turns);
-        }
-    }
-    best
-}
-
-/// Each vector's branch nearest to those before it.
-fn go_on(structure: &Structure, order: &[u32], principal: &[[f64; 3]]) -> Vec<[f64; 3]> {
-    let mut vectors = principal.to_vec();
-    // The sum of those before at each vertex, and how many they are.
-    let mut before = vec![[0.0; 4]; structure.vertices()];
-    for here in order {
-        let corners = structure.tetrahedra()[*here as usize];
-        let mut mean = [0.0; 4];
-        for corner in corners {
-            let sum = before[corner as usize];
-            if sum[3] > 0.0 {
-                for part in 0..4 {
-                    mean[part] += sum[part] / sum[3];
+            if rest != Vector::zeros() {
+                let rests = rests.get_or_insert_with(|| vec![[[0.0; LANES]; 3]; blocks.len()]);
+                for axis in 0..3 {
+                    rests[block][axis][lane] = rest[axis];
                 }
             }
         }
-        let vector = &mut vectors[*here as usize];
-        if mean[3] > 0.0 {
-            *vector = nearest_branch(*vector, [0, 1, 2].map(|axis| mean[axis] / mean[3]));
-        }
-        for corner in corners {
-            let sum = &mut before[corner as usize];
-            for axis in 0..3 {
-                sum[axis] += vector[axis];
-            }
-            sum[3] += 1.0;
-        }
     }
-    vectors
+    Logarithms { sums, rests }
 }
 
 /// The logarithms of each for itself.
-struct Logarithms<'a> {
+struct TakeLogarithms<'a> {
     blocks: &'a [Block],
     shape: &'a [Point],
     rotation: Rotation,
     sums: &'a mut [Sums],
 }
 
-impl WithSimd for Logarithms<'_> {
+impl WithSimd for TakeLogarithms<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -160,9 +96,7 @@ impl WithSimd for Logarithms<'_> {
                 Rotation::Continuous => stretch = log_symmetric(&stretch),
                 Rotation::Principal => add_to_diagonal(&mut stretch, -1.0),
             }
-            for part in 0..6 {
-                sums[3 + part] = stretch[part];
-            }
+            sums[3..].copy_from_slice(&stretch);
             for lane in 0..LANES {
                 let vector = log_rotation(&quaternions, lane);
                 for axis in 0..3 {
@@ -175,8 +109,8 @@ impl WithSimd for Logarithms<'_> {
 
 /// `sums + weight · more`.
 #[inline(always)]
-pub(super) fn add_weighted(weight: f64, more: &Sums, sums: &mut Sums) {
-    for part in 0..9 {
+pub(super) fn add_weighted<const N: usize>(weight: f64, more: &[Lanes; N], sums: &mut [Lanes; N]) {
+    for part in 0..N {
         for lane in 0..LANES {
             sums[part][lane] = weight.mul_add(more[part][lane], sums[part][lane]);
         }
@@ -203,6 +137,22 @@ fn add_to_diagonal(stretches: &mut Symmetric, value: f64) {
             stretches[axis][lane] += value;
         }
     }
+}
+
+/// The rotation by a vector after another.
+#[inline(always)]
+pub(super) fn turned_further(rotations: &Quaternions, rests: &[Lanes; 3]) -> Quaternions {
+    let (one, other) = (rotations, exp_rotations(rests));
+    let mut found = IDENTITIES;
+    for lane in 0..LANES {
+        let (a, b, c, d) = (one[0][lane], one[1][lane], one[2][lane], one[3][lane]);
+        let (w, x, y, z) = (other[0][lane], other[1][lane], other[2][lane], other[3][lane]);
+        found[0][lane] = a * w - (b * x + c * y + d * z);
+        found[1][lane] = a * x + b * w + c * z - d * y;
+        found[2][lane] = a * y + c * w + d * x - b * z;
+        found[3][lane] = a * z + d * w + b * y - c * x;
+    }
+    found
 }
 
 /// `R S`.

@@ -15,6 +15,7 @@
 //! Knows nothing of people, joints or time; of units only that all shapes have the same.
 
 mod blender;
+mod branches;
 mod connections;
 mod dense;
 mod error;

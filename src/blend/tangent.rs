@@ -26,9 +26,6 @@ const TERMS: usize = 14;
 /// Terms of the sine and the cosine of angles below one half.
 const HALF_TERMS: usize = 7;
 
-/// A rotation by less than this `[rad]` has no axis worth its name.
-const NO_AXIS: f64 = 1e-10;
-
 /// `Rᵀ A`, made symmetric: the stretch of `A = R S`.
 #[inline(always)]
 pub(super) fn stretches(maps: &Matrices, rotations: &Matrices) -> Symmetric {
@@ -258,24 +255,6 @@ pub(super) fn log_rotation(rotations: &Quaternions, lane: usize) -> [f64; 3] {
     [x, y, z].map(|along| share.copysign(w) * along)
 }
 
-/// Of all vectors of one rotation, which differ by whole turns about its axis, the nearest to that
-/// of a neighbour: the continuous logarithm (Kaji 2015, section 5).
-pub(super) fn nearest_branch(principal: [f64; 3], neighbour: [f64; 3]) -> [f64; 3] {
-    use std::f64::consts::TAU;
-    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let angle = dot(principal, principal).sqrt();
-    // No rotation at all has every axis: the neighbour's will do.
-    let axis = if angle < NO_AXIS {
-        let long = dot(neighbour, neighbour).sqrt();
-        if long == 0.0 { return principal } else { neighbour.map(|along| along / long) }
-    } else {
-        principal.map(|along| along / angle)
-    };
-    let along = if angle < NO_AXIS { 0.0 } else { angle };
-    let turns = ((dot(neighbour, axis) - along) / TAU).round();
-    [0, 1, 2].map(|k| principal[k] + turns * TAU * axis[k])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -343,21 +322,6 @@ mod tests {
             let back = log_rotation(&quaternions, 3);
             for k in 0..3 {
                 prop_assert!((back[k] - vector[k]).abs() < 1e-13);
-            }
-        }
-    }
-
-    #[test]
-    fn turns_go_on_where_the_neighbour_is() {
-        use std::f64::consts::TAU;
-        for turns in -3..=3 {
-            for angle in [0.0, 1e-12, 0.2, 1.5, 3.1] {
-                let whole = f64::from(turns) * TAU + angle;
-                let principal = [0.0, angle, 0.0];
-                let neighbour = [0.1, whole - 0.3, 0.0];
-                let found = nearest_branch(principal, neighbour);
-                let exact = if angle < NO_AXIS { 0.2 * whole.abs() } else { 1e-12 };
-                assert!((found[1] - whole).abs() <= exact, "{turns} {angle}: {found:?}");
             }
         }
     }
