@@ -6,14 +6,15 @@
 #[path = "common/clips.rs"]
 mod clips;
 mod common;
+#[path = "common/object.rs"]
+mod object;
 
 use std::fs;
 use std::path::Path;
 
 use clips::{FIGURES, FRAMES, METHODS, clips, keys};
 use common::{check, check_json, folder};
-use handover_mesh::formats::{self, UpAxis, csv};
-use handover_mesh::{ObjectTrack, Recording, Vector};
+use object::clips_with_object;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
@@ -58,25 +59,6 @@ fn the_json_has_the_promised_shape() {
     }
     let contact = |method: &str| found["summary"][method]["contact_cm"]["mean"].as_f64().unwrap();
     assert!(contact("mesh") < 0.5 * contact("hold"), "{} {}", contact("mesh"), contact("hold"));
-}
-
-/// Clips with an object in the giver's right hand until the hands meet, then in the receiver's; the
-/// first `without` have none.
-fn clips_with_object(count: u32, without: u32) -> TempDir {
-    let folder = clips(count);
-    for number in without..count {
-        let path = folder.path().join(format!("clips/{number}.csv"));
-        let clip = formats::read(&fs::read(&path).unwrap(), "clip", UpAxis::Z).unwrap();
-        let places = clip.stamps().enumerate().map(|(k, stamp)| {
-            let holder = &clip.people()[usize::from(k > 12)].motion.frames()[k];
-            (stamp, holder.positions[8] + Vector::new(0.0, 0.0, 0.1))
-        });
-        let object = ObjectTrack::of_point("cup", places.collect());
-        let (people, words) = (clip.people().clone(), clip.metadata().clone());
-        let clip = Recording::new("clip", people, Some(object), words).unwrap();
-        fs::write(path, csv::write(&clip).unwrap()).unwrap();
-    }
-    folder
 }
 
 #[test]

@@ -30,7 +30,10 @@ pub enum CarryError {
     #[error("nobody holds the object before the hands meet")]
     NotHeld,
     /// It has more points than are taken.
-    #[error("the object has {points} points, at most {most} are taken (object.points)")]
+    #[error(
+        "the object has {points} points, at most {most} are taken (hint: object.points={points} \
+         takes all of them)"
+    )]
     Points {
         /// How many it has.
         points: usize,

@@ -78,6 +78,11 @@ impl Command {
 /// /). A folder of recordings becomes a folder of CSVs. Bad files are named and left out; of a
 /// damaged bag what is whole is taken, what is lost named, and the exit code is 3. docs/bags.md says
 /// which topics are people.
+///
+/// With --object-mesh each recording's object, one place over time, becomes the outermost points of
+/// a shape, p00, p01 and so on, at most object.points of them; their mean is where the object was
+/// recorded. How it was turned is not recorded: the shape's axes are the world's, its z up, in every
+/// frame. Such recordings are written as CSV only. docs/object.md says what for.
 #[derive(Debug, Args)]
 pub(crate) struct Import {
     /// A recording, or a folder searched for recordings (.csv, .txt, .mcap, .db3, .zstd, bags)
@@ -86,8 +91,21 @@ pub(crate) struct Import {
     /// A name ending in .csv, .mcap, .bag or /, or for a folder the folder to write to
     #[arg(value_name = "OUT")]
     pub(crate) out: PathBuf,
+    /// The object's shape (.obj), of which the outermost points take its one point's place
+    #[arg(long, value_name = "MESH")]
+    pub(crate) object_mesh: Option<PathBuf>,
+    /// The unit of --object-mesh in metres, 0.001 for millimetres
+    #[arg(long, value_name = "S", default_value_t = 1.0, requires = "object_mesh",
+          value_parser = scale, allow_negative_numbers = true)]
+    pub(crate) object_scale: f64,
     #[command(flatten)]
     pub(crate) selection: Selection,
+}
+
+/// A finite number above 0.
+fn scale(text: &str) -> Result<f64, String> {
+    let scale = text.parse().ok().filter(|scale: &f64| *scale > 0.0 && scale.is_finite());
+    scale.ok_or_else(|| "no finite number above 0".to_owned())
 }
 
 /// Learn a model: which edges between the people a movement needs.

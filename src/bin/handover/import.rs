@@ -1,10 +1,13 @@
 //! `handover import`: recordings of any known format → CSV or bags.
 
+mod object;
+
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, bail};
+use handover_mesh::Config;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
@@ -13,12 +16,13 @@ use crate::files::{self, BadFile, Fault, Target};
 use crate::output::Output;
 use crate::progress::Progress;
 use crate::{Outcome, UsageError};
+use object::ObjectMesh;
 
 /// Endings that name one recording, so no folder of them.
 const ENDINGS: [&str; 6] = ["csv", "txt", "mcap", "db3", "bag", "json"];
 
 /// Reads, writes and says what was left out.
-pub(crate) fn run(import: &Import, output: &Output) -> anyhow::Result<Outcome> {
+pub(crate) fn run(import: &Import, config: &Config, output: &Output) -> anyhow::Result<Outcome> {
     let (source, out) = (&import.source, &import.out);
     let is_folder = files::about(source)?.is_dir() && !files::is_bag(source);
     if out.canonicalize().is_ok_and(|out| source.canonicalize().is_ok_and(|s| s == out)) {
@@ -29,8 +33,36 @@ pub(crate) fn run(import: &Import, output: &Output) -> anyhow::Result<Outcome> {
     } else {
         check_file(out)?
     }
-    let read = files::load(std::slice::from_ref(source), &import.selection, output)?;
+    let mesh = match &import.object_mesh {
+        None => None,
+        Some(_) if !is_folder && Target::of(out) != Some(Target::Csv) => {
+            bail!(UsageError(format!(
+                "{}: a bag holds one point of an object, and --object-mesh gives it several (hint: a \
+             name ending in .csv)",
+                out.display()
+            )))
+        }
+        Some(path) => {
+            let mesh = ObjectMesh::read(path, import.object_scale, config.object.points, output)?;
+            let Some(mesh) = mesh else { return Ok(Outcome::Failed) };
+            Some(mesh)
+        }
+    };
+    let mut read = files::load(std::slice::from_ref(source), &import.selection, output)?;
     let mut bad = read.bad;
+    if let Some(mesh) = mesh {
+        read.recordings.retain_mut(|loaded| match mesh.around_object(&loaded.recording) {
+            Ok(recording) => {
+                loaded.recording = recording;
+                true
+            }
+            Err(why) => {
+                let faults = vec![Fault::of_file(format!("--object-mesh: {why}"))];
+                bad.push(BadFile { path: loaded.path.clone(), faults });
+                false
+            }
+        });
+    }
     let damaged = read.recordings.iter().filter(|loaded| !loaded.losses.is_empty());
     let lost: Vec<_> = damaged
         .map(|l| json!({ "file": l.path.display().to_string(), "losses": l.losses }))

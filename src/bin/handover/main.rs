@@ -82,7 +82,7 @@ fn run(arguments: &Arguments, output: &Output) -> anyhow::Result<Outcome> {
     // Read for every command: a wrong parameter is wrong wherever it is given.
     let config = configuration::load(global, &arguments.command.parameters())?;
     match &arguments.command {
-        Command::Import(import) => import::run(import, output),
+        Command::Import(import) => import::run(import, &config, output),
         Command::Learn(learn) => learn::run(learn, &config, output),
         Command::Replay(replay) => replay::run(replay, global, &config, output),
         Command::Evaluate(evaluate) => evaluate::run(evaluate, &config, output),
