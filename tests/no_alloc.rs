@@ -10,11 +10,13 @@ mod handovers;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use handover_mesh::blend::{BlendSettings, Blender, Energy, Triangles};
 use handover_mesh::filter::Sighting;
 use handover_mesh::forecast::{ForecastMethod, ForecastSettings, Forecaster, Moment};
 use handover_mesh::mesh::{EdgeWeights, InitialEdges, InteractionMesh, Kernel, Pair, Topology};
 use handover_mesh::motion::{MotionModel, MotionSettings, Neighbourhood, Rows};
 use handover_mesh::online::{OnlineSettings, TickInput};
+use handover_mesh::predict::{PredictSettings, ReferenceBlend};
 use handover_mesh::retarget::{Constraint, RetargetSettings, Retargeter, Start, Transform};
 use handover_mesh::{Frame, Point, Sequence, Side, Skeleton, Stamp};
 
@@ -50,6 +52,24 @@ fn solves_allocate_nothing() {
     }
     // The counter does count.
     assert!(allocation_counter::measure(|| drop(positions.clone())).count_total > 0);
+}
+
+#[test]
+fn blends_allocate_nothing() {
+    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let reference = corners.map(Point::from);
+    let shape = reference.map(|place| Point::new(place.y, -1.5 * place.x, place.z));
+    let triangles = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    let triangles = Triangles::new(4, triangles).unwrap();
+    for energy in Energy::ALL {
+        let settings = BlendSettings { energy, ..BlendSettings::default() };
+        let blender = Blender::of_triangles(&triangles, &[&reference, &shape], settings).unwrap();
+        let (mut workspace, mut out) = (blender.workspace(), reference);
+        let allocations = allocation_counter::measure(|| {
+            blender.blend(&[0.3], &mut workspace, &mut out);
+        });
+        assert_eq!(allocations.count_total, 0, "{energy:?}: {allocations:?}");
+    }
 }
 
 #[test]
@@ -119,11 +139,17 @@ fn ticks_allocate_nothing() {
     const TICK: i64 = 10_000_000;
     let demonstrations = handovers::demonstrations(6);
     let mut ticks = 0;
-    for (transform, count) in
-        [(Transform::None, 6_000), (Transform::LocalGlobal, 2_500), (Transform::Implicit, 1_500)]
-    {
+    use ReferenceBlend::{Mean, Rigid};
+    for (transform, blend, count) in [
+        (Transform::None, Mean, 4_500),
+        (Transform::None, Rigid, 1_500),
+        (Transform::LocalGlobal, Mean, 2_500),
+        (Transform::Implicit, Mean, 1_500),
+    ] {
+        let retarget = RetargetSettings { transform, ..RetargetSettings::default() };
+        let predict = PredictSettings { retarget, blend, ..PredictSettings::default() };
         let settings = OnlineSettings::default();
-        let model = handovers::model(demonstrations.clone(), transform, settings);
+        let model = handovers::model_of(demonstrations.clone(), predict, settings);
         let robot = handovers::Handover::new(100).giver(0.0);
         let mut pipeline = handovers::pipeline(&model, &robot);
         let (mut hands, mut reasons) = (BTreeSet::new(), BTreeSet::new());
@@ -164,7 +190,7 @@ fn ticks_allocate_nothing() {
             solved += i64::from(said.2);
             ticks += 1;
         }
-        println!("{transform:?}: {solved} solved of {count}, {hands:?}, {reasons:?}");
+        println!("{transform:?}, {blend:?}: {solved} solved of {count}, {hands:?}, {reasons:?}");
         assert!(solved > count / 2 && hands.len() > 1 && reasons.len() > 2);
     }
     assert_eq!(ticks, 10_000);

@@ -165,6 +165,16 @@ pub(crate) fn model(
     transform: Transform,
     settings: OnlineSettings,
 ) -> Arc<OnlineModel> {
+    let retarget = RetargetSettings { transform, ..RetargetSettings::default() };
+    model_of(demonstrations, PredictSettings { retarget, ..PredictSettings::default() }, settings)
+}
+
+/// The same with other settings.
+pub(crate) fn model_of(
+    demonstrations: Vec<Arc<Demonstration>>,
+    predict: PredictSettings,
+    settings: OnlineSettings,
+) -> Arc<OnlineModel> {
     let pair = Pair::of(demonstrations[0].recording());
     let hands = Hands { robot: Side::Right, partner: Side::Right };
     let hand = |role: Role| {
@@ -174,8 +184,6 @@ pub(crate) fn model(
     let edge = Edge::new(hand(Role::First), hand(Role::Second));
     let edge = LearnedEdge { edge, factors: vec![0.2, 1.0, 1.0, 0.5] };
     let edges = LearnedEdges::new(&pair, hands, 4, vec![edge]).unwrap();
-    let retarget = RetargetSettings { transform, ..RetargetSettings::default() };
-    let predict = PredictSettings { retarget, ..PredictSettings::default() };
     let predictor = Predictor::fit(demonstrations, predict).unwrap().with_edges(edges);
     Arc::new(OnlineModel::new(&predictor, settings).unwrap())
 }

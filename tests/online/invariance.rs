@@ -1,19 +1,36 @@
 //! Where the scene stands and how often the tick comes make no difference.
 
 use std::f64::consts::FRAC_PI_3;
+use std::sync::Arc;
 
 use handover_mesh::geometry::yaw_isometry;
-use handover_mesh::{Point, Vector};
+use handover_mesh::online::{OnlineModel, OnlineSettings, Perception, Reference, Scene};
+use handover_mesh::predict::{PredictSettings, ReferenceBlend};
+use handover_mesh::track::{Followed, Who};
+use handover_mesh::{Point, Stamp, Vector};
+use nalgebra::UnitComplex;
 
-use crate::handovers::{DURATION, Handover, pipeline};
+use crate::handovers::{DURATION, Handover, demonstrations, model_of, pipeline};
 use crate::runs::{HELD_OUT, Said, farthest, run, usual};
+
+/// The usual model, its reference the blend of the demonstrations followed.
+fn rigid() -> Arc<OnlineModel> {
+    let predict = PredictSettings { blend: ReferenceBlend::Rigid, ..PredictSettings::default() };
+    model_of(demonstrations(6), predict, OnlineSettings::default())
+}
 
 #[test]
 fn targets_move_with_the_scene() {
+    targets_of_move_with_the_scene(&usual());
+    targets_of_move_with_the_scene(&rigid());
+}
+
+#[track_caller]
+fn targets_of_move_with_the_scene(model: &Arc<OnlineModel>) {
     let handover = Handover::new(HELD_OUT);
     let robot = handover.giver(0.0);
     let here = run(
-        &mut pipeline(&usual(), &robot),
+        &mut pipeline(model, &robot),
         |now| Some(handover.receiver(now)),
         &robot,
         30.0,
@@ -27,7 +44,7 @@ fn targets_move_with_the_scene() {
             pose.iter().map(|place| there_from_here * place).collect()
         };
         let there = run(
-            &mut pipeline(&usual(), &robot),
+            &mut pipeline(model, &robot),
             |now| Some(all(handover.receiver(now))),
             &all(robot.clone()),
             30.0,
@@ -40,6 +57,50 @@ fn targets_move_with_the_scene() {
         let off = off.fold(0.0, f64::max);
         println!("turned by {yaw} rad, moved by {:?}: {off:.1e} m off", shift.as_slice());
         assert!(off < 1e-6, "{off} m");
+    }
+}
+
+/// A pose of one demonstration alone is that pose, blended or not; of several the blend is near the
+/// mean, the bases where they were.
+#[test]
+fn a_blended_reference_is_the_mean_of_one_and_near_that_of_several() {
+    let (mean, rigid) = (usual(), rigid());
+    let library = mean.library();
+    let followed = |exemplar: usize, weight: f64, frame: f64| Followed {
+        exemplar,
+        weight,
+        frame,
+        turn: UnitComplex::new(0.3),
+    };
+    let base = |who: Who| library.base(who).index();
+    let handover = Handover::new(HELD_OUT);
+    let [robot, partner] = [handover.giver(0.0), handover.receiver(0.0)];
+    let frames = mean.settings().past + 1 + mean.settings().future;
+    let scene = Scene { partner: partner.repeat(frames), robot_base: robot[base(Who::Robot)] };
+    let mut perception = Perception::new(&mean);
+    perception.see(&mean, Stamp(0), &partner, scene.robot_base, |_| 0.0);
+    let mut belief = perception.belief().clone();
+    let mut fill = |followed: Vec<Followed>, model: &OnlineModel| {
+        belief.followed = followed;
+        let mut reference = Reference::new(model);
+        reference.fill(model, &belief, &scene, false);
+        reference
+    };
+    let one = || vec![followed(1, 1.0, 20.4)];
+    let (plain, blended) = (fill(one(), &mean), fill(one(), &rigid));
+    let apart =
+        |a: &[Point], b: &[Point]| a.iter().zip(b).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+    let off = apart(&plain.robot, &blended.robot).max(apart(&plain.partner, &blended.partner));
+    // Between two frames even one demonstration is a mean of two poses.
+    assert!(off < 1e-3, "{off}");
+    let several = || vec![followed(0, 0.5, 10.0), followed(1, 0.3, 30.5), followed(3, 0.2, 35.0)];
+    let (plain, blended) = (fill(several(), &mean), fill(several(), &rigid));
+    let off = apart(&plain.robot, &blended.robot);
+    assert!((1e-4..0.1).contains(&off), "{off}");
+    let joints = robot.len();
+    for frame in 0..frames {
+        let place = |reference: &Reference| reference.robot[frame * joints + base(Who::Robot)];
+        assert!((place(&plain) - place(&blended)).norm() < 1e-12);
     }
 }
 
