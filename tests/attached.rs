@@ -167,6 +167,12 @@ fn the_carrier_is_whoever_holds_it_before_the_hands_meet() {
     let late = recording.object().unwrap().points[0].places[80..].to_vec();
     let late = with(ObjectTrack::of_point("cup", late));
     assert_eq!(with_object_carried(&late, 1).unwrap_err(), CarryError::Unknown);
+    // Something that stands on the table, near and far.
+    for place in [Point::new(0.55, 0.1, 1.0), Point::new(5.0, 5.0, 1.0), Point::origin()] {
+        let places = recording.stamps().map(|stamp| (stamp, place)).collect();
+        let still = with(ObjectTrack::of_point("cup", places));
+        assert_eq!(with_object_carried(&still, 1).unwrap_err(), CarryError::NotHeld, "{place}");
+    }
     // Now here, now there.
     let places = recording.stamps().enumerate();
     let places = places.map(|(k, stamp)| (stamp, Point::new((k % 3) as f64, 9.0, 0.0)));

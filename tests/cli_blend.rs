@@ -156,6 +156,7 @@ fn the_json_says_what_was_made() {
         "rotation",
         "most_iterations",
         "tolerance",
+        "at_rest",
         "shapes",
     ];
     assert_eq!(keys(&found), expected);
@@ -169,13 +170,14 @@ fn the_json_says_what_was_made() {
     assert_eq!(names, ["vertex", "t", "c"]);
     assert_eq!((&found["tolerance"], &found["most_iterations"]), (&Value::Null, &Value::Null));
     let shape = &found["shapes"][0];
-    assert_eq!(keys(shape), ["file", "weights", "iterations", "energy", "change"]);
+    assert_eq!(keys(shape), ["file", "weights", "iterations", "energy", "change", "settled"]);
     assert_eq!((&shape["file"], &shape["weights"]), (&json!("far.obj"), &json!([-0.5, 1.5])));
     assert!(shape["energy"].as_f64().unwrap() >= 0.0);
 
     let rest = "-w 0.3,0.3 -w 1,1 --energy s --iterations 3 --tolerance 0 -o s.obj --json";
     let found = check_json(&folder, &command(rest), 0);
     assert_eq!((&found["iterations"], &found["shapes"][1]["iterations"]), (&json!(3), &json!(3)));
+    assert_eq!((&found["at_rest"], &found["shapes"][1]["settled"]), (&json!(0.0), &json!(false)));
     assert_eq!((&found["tolerance"], &found["most_iterations"]), (&json!(0.0), &json!(3)));
     assert_eq!(found["shapes"][1]["file"], "s_001.obj");
 }
@@ -211,8 +213,10 @@ fn what_is_documented_is_what_there_is() {
 fn what_did_not_converge_is_noted_and_no_loss() {
     let folder = arms();
     let rest = "-w 0.3,0.3 -w 1,1 --energy s --iterations 1 --tolerance 1e-12 -o s.obj";
-    let words =
-        ["note: 2 of 2 shapes took all of 1 iteration, and in the last", "(hint: --iterations)"];
+    let words = [
+        "note: 2 of 2 shapes took all of 1 iteration without coming to rest",
+        "(hint: --iterations)",
+    ];
     check(&folder, &command(rest), 0, &words);
     let quiet = check(&folder, &command(&format!("{rest} --quiet")), 0, &[]);
     assert!(quiet.stderr.is_empty());
@@ -282,6 +286,7 @@ fn what_cannot_be_meant_is_wrong_usage() {
         ("-w 1,0 -o bent.obj", &["bent.obj is an input and would be overwritten"]),
         ("-w 1,0 -o ./ref.obj", &["is an input and would be overwritten"]),
         ("-w 1,0 --frames 1 -o x.obj", &["--frames"]),
+        ("-w 1,0 -w 0,1 --frames 2 -o x.obj", &["--frames 2", "2 -w", "3 frames"]),
         ("-w 1,0 --energy x -o x.obj", &["s_printed"]),
         ("-w 1,0 --iterations 9 -o x.obj", &["--iterations: the energy t is solved at once"]),
         ("-w 1,0 --energy t --tolerance 1 -o x.obj", &["--tolerance: the energy t"]),

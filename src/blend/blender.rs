@@ -106,10 +106,12 @@ impl BlendSettings {
 pub struct Blended {
     /// Iterations of `E_S`; 0 of `E_T`.
     pub iterations: usize,
-    /// `Σ W‖Â − C‖²` `[-]`, of `E_S` with the rotations found last in `C`.
+    /// `Σ W‖Â − C‖²` `[-]`; of `E_S` what is made least, `Σ W‖Â − R S(C)‖²` with the best rotations.
     pub energy: f64,
     /// How far the last iteration moved a vertex at most `[m]`; 0 of `E_T`.
     pub change: f64,
+    /// Whether that is within [`Blender::at_rest`].
+    pub is_settled: bool,
 }
 
 /// Vertices that hang together by tetrahedra.
@@ -340,6 +342,11 @@ impl Blender {
         &self.settings
     }
 
+    /// An iteration of `E_S` that moves no vertex farther is the last `[m]`.
+    pub fn at_rest(&self) -> f64 {
+        self.settings.tolerance * self.extent
+    }
+
     /// Room for [`Self::blend`].
     pub fn workspace(&self) -> Workspace {
         let blocks = self.blocks.len();
@@ -380,7 +387,7 @@ impl Blender {
         }
         self.arch.dispatch(SetTargets { blender: self, weights, workspace });
         self.normal.solve(&mut workspace.pulls, &mut workspace.shape, &mut workspace.room);
-        let mut blended = Blended { iterations: 0, energy: 0.0, change: 0.0 };
+        let mut blended = Blended { iterations: 0, energy: 0.0, change: 0.0, is_settled: true };
         if self.settings.energy == Energy::Transforms {
             blended.energy = self.arch.dispatch(MeasureEnergy { blender: self, workspace });
         } else {
@@ -395,17 +402,19 @@ impl Blender {
     /// Turns the targets and solves until nothing moves.
     fn iterate(&self, workspace: &mut Workspace) -> Blended {
         workspace.rotations.copy_from_slice(&workspace.targets);
-        let bound = self.settings.tolerance * self.extent;
-        let mut blended = Blended { iterations: 0, energy: 0.0, change: f64::INFINITY };
-        while blended.iterations < self.settings.iterations && blended.change > bound {
+        let (iterations, change) = (0, f64::INFINITY);
+        let mut blended = Blended { iterations, energy: 0.0, change, is_settled: false };
+        while blended.iterations < self.settings.iterations && !blended.is_settled {
             workspace.before.copy_from_slice(&workspace.shape[..self.vertices]);
-            blended.energy = self.arch.dispatch(TurnTargets { blender: self, workspace });
+            self.arch.dispatch(TurnTargets { blender: self, workspace });
             self.normal.solve(&mut workspace.pulls, &mut workspace.shape, &mut workspace.room);
             let moved = workspace.before.iter().zip(&workspace.shape);
             let moved = moved.map(|(before, after)| (after - before).norm_squared());
             blended.change = moved.fold(0.0, f64::max).sqrt();
+            blended.is_settled = blended.change <= self.at_rest();
             blended.iterations += 1;
         }
+        blended.energy = self.arch.dispatch(TurnTargets { blender: self, workspace });
         blended
     }
 
@@ -502,8 +511,7 @@ impl WithSimd for MeasureEnergy<'_> {
     }
 }
 
-/// Turns each target to how its tetrahedron is turned, and lets it pull: the energy before the
-/// solve.
+/// Turns each target to how its tetrahedron is turned, and lets it pull: the energy as they are.
 struct TurnTargets<'a> {
     blender: &'a Blender,
     workspace: &'a mut Workspace,

@@ -3,9 +3,10 @@
 //!
 //! The vectors of one rotation differ by whole turns about its axis. What hangs together is gone
 //! through breadth-first: each tetrahedron takes the vector nearest to the mean of those before it
-//! at its corners, so that one that is turned oddly leads nobody astray. It begins with the one that
-//! is turned least; as that may have come there by a whole turn, it begins again where it went
-//! beyond half a turn, and of a few such beginnings the one that turns all together least counts.
+//! at its corners, so that few that are turned oddly lead nobody astray. It begins with the one that
+//! is turned least. If that is not at rest it may have come there by a whole turn: so it begins again
+//! where it went beyond half a turn, and of a few such beginnings the one that turns all together
+//! least counts.
 //!
 //! Near a whole turn there is no such vector: one that is turned by it and besides a little about
 //! another axis has that other axis alone. So beyond half a turn a rotation is `exp(v) exp(r)`: `v`
@@ -21,6 +22,9 @@ use crate::geometry::Vector;
 
 /// From how many beginnings it is tried at most.
 const BEGINNINGS: usize = 4;
+
+/// What is turned by less than this `[rad]` is at rest, and stays so.
+const AT_REST: f64 = 1e-6;
 
 /// A rotation by less than this `[rad]` has no axis worth its name.
 const NO_AXIS: f64 = 1e-10;
@@ -54,6 +58,11 @@ pub(super) fn continuous(
     };
     let mut best = from_least(&|at| principal[at].norm_squared());
     let mut least = turning(&best);
+    for (part, vector) in connections.part_of().iter().zip(principal) {
+        if vector.norm() < AT_REST {
+            least[*part as usize] = 0.0;
+        }
+    }
     for _ in 1..BEGINNINGS {
         let is_beyond = |at: usize| best[at].vector.norm_squared() > (PI + 1e-6) * (PI + 1e-6);
         if !(0..principal.len()).any(is_beyond) {

@@ -228,7 +228,9 @@ impl<'b, I: Iterator<Item = (f64, &'b Apart)> + Clone> WithSimd for Blend<'_, I>
         for axis in 0..3 {
             let moves = &mut moves[axis][..count];
             moves.fill(0.0);
-            for (vertex, row) in blender.unknowns.iter().zip(blender.inverse.chunks_exact(count)) {
+            for (vertex, row) in
+                blender.unknowns.iter().zip(blender.inverse.chunks_exact(count.max(1)))
+            {
                 let pull = pulls[*vertex as usize][axis];
                 for at in 0..count {
                     moves[at] = pull.mul_add(row[at], moves[at]);

@@ -22,7 +22,10 @@ pub enum BlendError {
         vertices: usize,
     },
     /// Nothing to put a shape together from.
-    #[error("no tetrahedron has a volume and the same orientation in every shape")]
+    #[error(
+        "no tetrahedron has a volume and the same orientation in every shape (of sizes from 1e-50 to \
+         1e50)"
+    )]
     Empty,
     /// A shape has not one place for each vertex.
     #[error("shape {shape} has {places} places for {vertices} vertices")]
@@ -70,6 +73,12 @@ pub enum BlendError {
     /// A number among the settings is out of bounds.
     #[error(transparent)]
     Settings(#[from] crate::settings::OutOfBounds),
+    /// Triangles or tetrahedra that join nearly everything with everything.
+    #[error("the vertices hang together too closely: a factor of {values} numbers")]
+    Entangled {
+        /// How many numbers it would have.
+        values: usize,
+    },
     /// Tetrahedra so flat, so small or so large that nothing holds a vertex.
     #[error(
         "the tetrahedra do not determine where the vertices are: some are too flat or too small"

@@ -24,6 +24,10 @@ use crate::rotations::LANES;
 /// Ghosts joined with more vertices than this are not eliminated beforehand.
 const MOST_JOINED: usize = 32;
 
+/// A factor of more numbers than this (2 GiB) is not made: those of surfaces have some hundred a
+/// vertex.
+const MOST_VALUES: usize = 1 << 28;
+
 /// What a vertex is to the system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Place {
@@ -79,7 +83,7 @@ impl Normal {
     /// - `is_known`: which vertices are given; of each part that hangs together at least one.
     ///
     /// # Errors
-    /// [`BlendError::Undetermined`].
+    /// [`BlendError::Undetermined`], [`BlendError::Entangled`].
     pub(super) fn new(
         structure: &Structure,
         connections: &Connections,
@@ -164,6 +168,9 @@ impl Normal {
             CholeskySymbolicParams::default(),
         );
         let symbolic = symbolic.map_err(|_| BlendError::Undetermined)?;
+        if symbolic.len_val() > MOST_VALUES {
+            return Err(BlendError::Entangled { values: symbolic.len_val() });
+        }
         let mut values = vec![0.0; symbolic.len_val()];
         let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
         let matrix = SparseColMatRef::new(pattern.as_ref(), &entries);

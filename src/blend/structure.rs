@@ -6,7 +6,7 @@ use super::BlendError;
 use crate::geometry::Point;
 
 /// A tetrahedron whose volume is less than this share of its longest edge's cube is flat.
-const FLAT: f64 = 1e-9;
+const FLAT: f64 = 1e-6;
 
 /// Tetrahedra `(v₀, v₁, v₂, v₃)` over numbered vertices; they may overlap (Kaji 2015, Definition 1).
 ///

@@ -7,7 +7,7 @@
 //! | vertex | `v + √(Σ area) Σ n/‖Σ n‖` | one a triangle at a vertex of several |
 //!
 //! A triangle without an edge or vertex in common with another has none of the latter two kinds and
-//! takes the first; so do the edges and vertices of a border, as far as they belong to one triangle.
+//! takes the first. Edges and vertices of one triangle alone, as on a border, have no ghost.
 
 use nalgebra::Unit;
 
@@ -71,7 +71,7 @@ pub struct Tetrised {
 /// - `shapes`: one place `[m]` a vertex each, the reference first.
 ///
 /// A tetrahedron that is not positive in every shape is left out; a triangle left without any takes
-/// its face-normal one. Only a triangle without area, in some shape, has none at all.
+/// its face-normal one. Only a triangle (all but) without area, in some shape, has none at all.
 ///
 /// # Errors
 /// [`BlendError::NotManifold`] of edge- and vertex-normal tetrisations, with all faults:
@@ -111,6 +111,7 @@ pub fn tetrise(
     if tetrisation == Tetrisation::Face {
         tetrised.flipped = flat;
     } else {
+        tetrised.flipped += flat;
         tetrised.replaced = fallback.len();
     }
     raised.append(&mut fallback);

@@ -17,6 +17,14 @@ const LOOKED_AT: f64 = 0.5;
 /// As far from its usual distance to the hand `[m]` a thing is not yet carried.
 const LOOSE: f64 = 0.1;
 
+/// Farther than this from the hand `[m]` nothing is held: a long thing's middle, its tracker's and a
+/// wrist's errors.
+const REACH: f64 = 0.6;
+
+/// What is held moves at least this share as far as the hand does, from the first to wherever it
+/// gets before the hands meet.
+const MOVES_ALONG: f64 = 0.5;
+
 /// Why a recording's object is nobody's.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CarryError {
@@ -56,7 +64,8 @@ struct Seen {
 /// [`Recording::with_attached`]. The object's own track stays as it is.
 ///
 /// Of the two hands that meet, the carrier's is the one whose distance to the object varies least
-/// over the second half of the time before they do.
+/// over the second half of the time before they do. It is no carrier if the object is more than 0.6 m
+/// off, or stays where it is while the hand moves.
 ///
 /// - `most`: how many points an object may have.
 ///
@@ -92,6 +101,9 @@ pub fn with_object_carried(recording: &Recording, most: usize) -> Result<Recordi
     let (role, hand) = carried.ok_or(CarryError::NotHeld)?;
     let usual = median(late.iter().map(|seen| distance((role, hand), seen)).collect());
     let usual = usual.ok_or(CarryError::Unknown)?;
+    if usual > REACH || !moves_along(&recording.person(role).motion, hand, late) {
+        return Err(CarryError::NotHeld);
+    }
     let is_held = |seen: &Seen| (distance((role, hand), seen) - usual).abs() <= LOOSE;
     let stamps: Vec<Stamp> = recording.stamps().collect();
     let mut looked_at = (0..seen.len()).map(|first| {
@@ -99,7 +111,9 @@ pub fn with_object_carried(recording: &Recording, most: usize) -> Result<Recordi
         let count = seen[first..].partition_point(|seen| since(seen) <= LOOKED_AT);
         &seen[first..first + count]
     });
-    let held = looked_at.find(|held| held.iter().all(is_held)).ok_or(CarryError::NotHeld)?;
+    // Near contact less than all of it is left; one frame alone tells nothing.
+    let held = looked_at.find(|held| held.len() > 1 && held.iter().all(is_held));
+    let held = held.ok_or(CarryError::NotHeld)?;
     let motion = &recording.person(role).motion;
     let first = held[0].frame;
     let named = object.points.iter().zip(grasp(motion, hand, held));
@@ -107,6 +121,17 @@ pub fn with_object_carried(recording: &Recording, most: usize) -> Result<Recordi
         .map(|(point, offset)| (point.name.clone(), motion.position(first, hand) + offset))
         .collect();
     Ok(recording.with_attached(role, hand, first, &points)?)
+}
+
+/// Whether an object goes where a hand goes; where the hand stays nothing tells.
+fn moves_along(motion: &Sequence, hand: JointId, late: &[Seen]) -> bool {
+    let place = |seen: &Seen| motion.position(seen.frame, hand);
+    let from_first = |seen: &Seen| (place(seen) - place(&late[0])).norm();
+    let farthest = late.iter().max_by(|a, b| from_first(a).total_cmp(&from_first(b)));
+    let Some(farthest) = farthest.filter(|seen| from_first(seen) > LOOSE) else { return true };
+    let moved = farthest.middle - late[0].middle;
+    let along = place(farthest) - place(&late[0]);
+    moved.dot(&along) >= MOVES_ALONG * along.norm_squared()
 }
 
 /// Where the object is before the hands meet.

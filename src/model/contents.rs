@@ -110,7 +110,6 @@ impl Model {
                 skeleton.bones().map(|bone| [bone.parent, bone.child].map(|j| j.index())).collect();
             let name = self.people()[role as usize];
             let mut person = json!({ "bones": bones, "joints": skeleton.names(), "name": name });
-            // What a model does not need, keeps nobody from reading it.
             if skeleton.attached().len() > 0 {
                 person["attached"] = skeleton.attached().len().into();
             }

@@ -65,10 +65,9 @@ pub struct Pipeline {
     robot_base: Option<Point>,
     /// Where the partner's joints are now by the filter alone: room.
     places: Vec<Point>,
-    /// How what rides on the partner's joints sits on them: as sighted last, else as in the first
-    /// demonstration.
+    /// How what rides on the partner's joints sits on them: as in the first demonstration. What a
+    /// sighting says of it is not looked at: no filter judges that.
     riders: Riders,
-    demonstrated: Riders,
     body: Option<PartnerBody>,
     /// When the partner was known last.
     known: Option<Stamp>,
@@ -96,7 +95,7 @@ impl Pipeline {
         let filter = Filter::new(own, model.library.base(Who::Partner), settings.filter.clone());
         let robot = model.library.skeleton(Who::Robot).clone();
         let base = model.library.base(Who::Robot);
-        let demonstrated = model.library.riders(Who::Partner);
+        let riders = model.library.riders(Who::Partner);
         let gate = SafetyGate::new(robot, base, robot_lengths, settings.safety.clone())?;
         Ok(Self {
             filter,
@@ -107,8 +106,7 @@ impl Pipeline {
             holds_gap: edges,
             robot_base: None,
             places: vec![Point::origin(); joints],
-            riders: demonstrated.clone(),
-            demonstrated,
+            riders,
             body: None,
             known: None,
             is_cancelled: false,
@@ -133,7 +131,6 @@ impl Pipeline {
         self.perception.reset();
         self.window.reset();
         self.gate.reset();
-        self.riders.clone_from(&self.demonstrated);
         self.robot_base = None;
         self.body = None;
         self.known = None;
@@ -194,7 +191,6 @@ impl Pipeline {
         let own = model.library.skeleton(Who::Partner).own();
         let sighting = input.sighting.map(|sighting| {
             assert_eq!(sighting.positions.len(), places.len(), "one place for each joint");
-            riders.take(sighting.positions);
             own_joints(sighting, own)
         });
         let partner = filter.update(sighting.as_ref(), input.now);

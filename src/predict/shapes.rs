@@ -8,7 +8,7 @@
 
 use nalgebra::{Complex, UnitComplex};
 
-use crate::blend::{Apart, DenseBlender, DenseWorkspace, Structure};
+use crate::blend::{Apart, BlendError, DenseBlender, DenseWorkspace, Structure};
 use crate::delaunay::{DelaunayError, delaunay};
 use crate::demonstration::Demonstration;
 use crate::geometry::{Point, Vector};
@@ -78,7 +78,8 @@ impl Shapes {
         match blender {
             Ok(blender) => Ok(Some(Self { blender, robot_joints, bases, turns })),
             // Of tetrahedra that are all but flat there is nothing to blend.
-            Err(_) => Ok(None),
+            Err(BlendError::Empty | BlendError::Undetermined) => Ok(None),
+            Err(error) => unreachable!("tetrahedra of finite points: {error}"),
         }
     }
 

@@ -69,18 +69,33 @@ fn all_weights(arguments: &Blend) -> Result<Vec<Vec<f64>>, UsageError> {
     }
     let given = arguments.weights.iter().map(|weights| weights.0.clone());
     let Some(frames) = arguments.frames else { return Ok(given.collect()) };
+    let (frames, stretches) = (frames as usize, arguments.weights.len());
+    if frames <= stretches {
+        return Err(UsageError(format!(
+            "--frames {frames}: the reference and {} are {} frames at least",
+            counted(stretches, "-w"),
+            stretches + 1
+        )));
+    }
     let stops: Vec<Vec<f64>> = std::iter::once(vec![0.0; poses]).chain(given).collect();
-    Ok((0..frames as usize).map(|frame| on_the_way(&stops, frame, frames as usize)).collect())
+    Ok(on_the_way(&stops, frames - 1))
 }
 
-/// The weights of a frame: every stretch between two stops takes as long as the others.
-fn on_the_way(stops: &[Vec<f64>], frame: usize, frames: usize) -> Vec<f64> {
-    let (steps, stretches) = (frames - 1, stops.len() - 1);
-    let stretch = (frame * stretches / steps).min(stretches - 1);
-    let share = (frame * stretches - stretch * steps) as f64 / steps as f64;
-    // So written both ends are met to the bit.
-    let between = |(from, to): (&f64, &f64)| (1.0 - share) * from + share * to;
-    stops[stretch].iter().zip(&stops[stretch + 1]).map(between).collect()
+/// The weights of all frames: every stop is one of them, and each stretch between two takes as many
+/// steps as the others, or one more.
+fn on_the_way(stops: &[Vec<f64>], steps: usize) -> Vec<Vec<f64>> {
+    let stretches = stops.len() - 1;
+    let mut frames = vec![stops[0].clone()];
+    for (at, ends) in stops.windows(2).enumerate() {
+        let count = (at + 1) * steps / stretches - at * steps / stretches;
+        for step in 1..=count {
+            let share = step as f64 / count as f64;
+            // So written both ends are met to the bit.
+            let between = |(from, to): (&f64, &f64)| (1.0 - share) * from + share * to;
+            frames.push(ends[0].iter().zip(&ends[1]).map(between).collect());
+        }
+    }
+    frames
 }
 
 /// `OUT.obj`, or `OUT_000.obj` and those that follow.
@@ -215,17 +230,19 @@ fn tell(found: &Found<'_>, output: &Output) {
         return;
     }
     let most = found.settings.iterations;
-    let whole = found.shapes.iter().filter(|shape| shape.blended.iterations >= most);
+    let whole = found.shapes.iter().filter(|shape| !shape.blended.is_settled);
     let count = whole.clone().count();
     let change = |shape: &&Shape<'_>| shape.blended.change;
     if let Some(worst) = whole.max_by(|a, b| change(a).total_cmp(&change(b))) {
         output.note(&format!(
-            "note: {count} of {} took all of {}, and in the last a vertex of {} still moved by \
-             {:.1e} (hint: --iterations)",
+            "note: {count} of {} took all of {} without coming to rest, and may be far from where \
+             more would end: in the last a vertex of {} moved by {:.1e}, at most {:.1e} is rest \
+             (hint: --iterations)",
             counted(found.shapes.len(), "shape"),
             counted(most, "iteration"),
             worst.file.display(),
             worst.blended.change,
+            found.blender.at_rest(),
         ));
     }
 }
@@ -280,6 +297,7 @@ fn value(found: &Found<'_>) -> Value {
             "iterations": blended.iterations,
             "energy": blended.energy,
             "change": blended.change,
+            "settled": blended.is_settled,
         })
     });
     let iterative = energy != Energy::Transforms;
@@ -298,6 +316,7 @@ fn value(found: &Found<'_>) -> Value {
         "rotation": rotation.name(),
         "most_iterations": iterative.then_some(iterations),
         "tolerance": iterative.then_some(tolerance),
+        "at_rest": iterative.then_some(found.blender.at_rest()),
         "shapes": shapes.collect::<Vec<_>>(),
     })
 }

@@ -38,7 +38,7 @@ pub(crate) struct Blend {
           value_parser = PossibleValuesParser::new(Tetrisation::ALL.map(Tetrisation::name)))]
     tetrisation: Option<String>,
     /// What is kept as well as it can be: each tetrahedron's transform (t), or only its shear (s,
-    /// which converges; s_printed as the paper has it) [default: t]
+    /// by iterations that come to rest slowly; s_printed as the paper has it) [default: t]
     #[arg(long, value_name = "E",
           value_parser = PossibleValuesParser::new(Energy::ALL.map(Energy::name)))]
     energy: Option<String>,
@@ -54,7 +54,7 @@ pub(crate) struct Blend {
     /// last [default: 1e-6]
     #[arg(long, value_name = "X", value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// Write N shapes on the way from the reference through each -w in turn, ends included
+    /// Write N shapes on the way from the reference through each -w in turn, all of them included
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100_000))]
     pub(crate) frames: Option<u32>,
 }
