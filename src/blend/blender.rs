@@ -2,6 +2,7 @@
 
 use nalgebra::Matrix3;
 use pulp::{Arch, Simd, WithSimd};
+use rayon::prelude::*;
 
 use super::connections::Connections;
 use super::gradients::{self, Block};
@@ -210,7 +211,7 @@ impl Blender {
     ) -> Result<Self, BlendError> {
         let settings = settings.check()?;
         let tetrised = tetrise(triangles, shapes, settings.tetrisation)?;
-        let shapes = shapes.iter().map(|shape| tetrised.with_ghosts(shape)).collect();
+        let shapes = shapes.par_iter().map(|shape| tetrised.with_ghosts(shape)).collect();
         let structure = tetrised.structure().clone();
         let blender = Self::of_positive(structure, shapes, &[], settings)?;
         let (flipped, replaced) = (tetrised.flipped(), tetrised.replaced());
@@ -290,7 +291,7 @@ impl Blender {
         };
         let (normal, logarithms) = rayon::join(
             || Normal::new(&structure, &connections, &blocks, &is_known),
-            || shapes[1..].iter().map(take_logarithms).collect(),
+            || shapes[1..].par_iter().map(take_logarithms).collect(),
         );
         let normal = normal?;
         let part_of = connections.part_of().to_vec();

@@ -21,7 +21,7 @@ use super::connections::Connections;
 use crate::geometry::Vector;
 
 /// From how many beginnings it is tried at most.
-const BEGINNINGS: usize = 4;
+const BEGINNINGS: usize = 3;
 
 /// What is turned by less than this `[rad]` is at rest, and stays so.
 const AT_REST: f64 = 1e-6;

@@ -16,9 +16,8 @@ pub(super) type Symmetric = [Lanes; 6];
 /// Sweeps of the decomposition at most: from the third on it converges quadratically.
 const SWEEPS: usize = 6;
 
-/// What is left beside the diagonal, squared, as a share of the diagonal's squares: the next sweep
-/// would bring it far below rounding.
-const SETTLED: f64 = 1e-20;
+/// What is left beside the diagonal, squared, as a share of the diagonal's squares: rounding.
+const SETTLED: f64 = 1e-32;
 
 /// Terms of the exponential's series: the next is below rounding for matrices of norm ½.
 const TERMS: usize = 14;

@@ -10,6 +10,7 @@
 //! takes the first. Edges and vertices of one triangle alone, as on a border, have no ghost.
 
 use nalgebra::Unit;
+use rayon::prelude::*;
 
 use super::triangles::Side;
 use super::{BlendError, Structure, Triangles};
@@ -92,7 +93,7 @@ pub fn tetrise(
         replaced: 0,
     };
     let normals: Vec<Vec<(Vector, f64)>> =
-        shapes.iter().map(|shape| triangles.normals(shape)).collect();
+        shapes.par_iter().map(|shape| triangles.normals(shape)).collect();
     let mut places = vec![Vec::new(); shapes.len()];
     let mut raised = match tetrisation {
         Tetrisation::Face => Vec::new(),
@@ -271,16 +272,21 @@ impl Tetrised {
         places: &mut [Vec<Point>],
     ) -> usize {
         let before = raised.len();
-        for ((shape, normals), places) in shapes.iter().zip(normals).zip(places) {
+        let in_shapes = shapes.par_iter().zip(normals).zip(places);
+        let in_shapes = in_shapes.map(|((shape, normals), places)| {
             for ghost in &self.ghosts[places.len()..] {
                 places.push(self.place(ghost, shape, normals));
             }
-            raised.retain(|(triangle, ghost)| {
+            let is_positive = |(triangle, ghost): &(u32, u32)| {
                 let [a, b, c] = self.triangles.as_slice()[*triangle as usize];
                 let [a, b, c] = [&shape[a as usize], &shape[b as usize], &shape[c as usize]];
                 super::structure::is_positive([a, b, c, &places[*ghost as usize]])
-            });
-        }
+            };
+            raised.iter().map(is_positive).collect::<Vec<bool>>()
+        });
+        let kept: Vec<Vec<bool>> = in_shapes.collect();
+        let mut at = 0..;
+        raised.retain(|_| at.next().is_some_and(|at: usize| kept.iter().all(|kept| kept[at])));
         before - raised.len()
     }
 
