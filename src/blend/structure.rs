@@ -83,20 +83,24 @@ impl Structure {
         &self.weights
     }
 
-    /// Without the tetrahedra that are not positive in every shape, and how many those were.
+    /// The tetrahedra that count and are positive in every shape, and how many that count are not.
     ///
     /// - `shapes`: one place a vertex, ghosts among them.
-    pub(super) fn positive(mut self, shapes: &[Vec<Point>]) -> (Self, usize) {
-        let everywhere = |corners: &[u32; 4]| {
-            shapes.iter().all(|shape| is_positive(corners.each_ref().map(|c| &shape[*c as usize])))
-        };
-        let kept: Vec<bool> = self.tetrahedra.iter().map(everywhere).collect();
-        let mut keep = kept.iter();
-        self.tetrahedra.retain(|_| *keep.next().unwrap_or(&false));
-        let mut keep = kept.iter();
-        self.weights.retain(|_| *keep.next().unwrap_or(&false));
-        let flipped = kept.len() - self.tetrahedra.len();
-        (self, flipped)
+    pub(super) fn positive(self, shapes: &[Vec<Point>]) -> (Self, usize) {
+        let (mut tetrahedra, mut weights, mut flipped) = (Vec::new(), Vec::new(), 0);
+        for (corners, weight) in self.tetrahedra.into_iter().zip(self.weights) {
+            if weight == 0.0 {
+                continue;
+            }
+            let places = |shape: &'_ Vec<Point>| corners.map(|corner| shape[corner as usize]);
+            if shapes.iter().all(|shape| is_positive(places(shape).each_ref())) {
+                tetrahedra.push(corners);
+                weights.push(weight);
+            } else {
+                flipped += 1;
+            }
+        }
+        (Self { tetrahedra, weights, ..self }, flipped)
     }
 }
 

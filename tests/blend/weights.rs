@@ -91,6 +91,9 @@ fn tetrahedra_count_by_their_weight() {
         crate::shapes::farthest_laid_on(&cube(&of(weights).0), &cube(&alone))
     };
     assert!(off(1.0) > 1e-4 && off(100.0) < 0.1 * off(1.0), "{} {}", off(1.0), off(100.0));
+    // Of weight 0 it might as well not be there.
+    let (without, _) = of((0..count).map(|at| if at < 6 { 1.0 } else { 0.0 }).collect());
+    assert!(farthest(&without, &alone) < 1e-12);
     let refused = structure.weighted([vec![1.0; 3], vec![f64::NAN; count - 3]].concat());
     assert_eq!(refused.unwrap_err(), BlendError::Weight { tetrahedron: 3 });
 }
