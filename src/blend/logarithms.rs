@@ -12,14 +12,13 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::Structure;
-use super::blender::Rotation;
 use super::branches::{self, Turn};
 use super::connections::Connections;
 use super::gradients::Block;
 use super::tangent::{
     Symmetric, exp_rotations, exp_symmetric, log_rotation, log_symmetric, stretches,
 };
+use super::{Rotation, Structure};
 use crate::geometry::{Point, Vector};
 use crate::rotations::{
     IDENTITIES, LANES, Lanes, Matrices, Quaternions, best_rotations, lane_of, matrix,

@@ -22,14 +22,16 @@ mod error;
 mod gradients;
 mod logarithms;
 mod normal;
+mod settings;
 mod structure;
 mod tangent;
 mod tetrise;
 mod triangles;
 
-pub use blender::{BlendSettings, Blended, Blender, Energy, Rotation, Workspace};
+pub use blender::{Blended, Blender, Workspace};
 pub use dense::{Apart, DenseBlender, DenseWorkspace};
 pub use error::BlendError;
+pub use settings::{BlendSettings, Energy, Rotation};
 pub use structure::Structure;
 pub use tetrise::{Tetrisation, Tetrised, tetrise};
 pub use triangles::Triangles;
