@@ -480,7 +480,8 @@ mod tests {
     fn off_default(key: &str, default: &Value) -> Config {
         let numbers = default.as_f64().map(|n| [n / 2.0, n + 0.1]).into_iter().flatten();
         let whole = default.as_u64().map(|n| n + 1).map(Value::from);
-        let words = ["uniform", "implicit", "soft", "neck", "grow", "none", "knn"].map(Value::from);
+        let words = ["uniform", "implicit", "soft", "neck", "grow", "none", "knn", "rigid"]
+            .map(Value::from);
         let space = vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
         let others = [true.into(), false.into(), vec!["head"].into(), Value::from(space)];
         let candidates = numbers

@@ -21,9 +21,8 @@ const LOOSE: f64 = 0.1;
 /// wrist's errors.
 const REACH: f64 = 0.6;
 
-/// What is held moves at least this share as far as the hand does, from the first to wherever it
-/// gets before the hands meet.
-const MOVES_ALONG: f64 = 0.5;
+/// What moves less than this `[m]` while the hand moves farther than [`LOOSE`] stands somewhere.
+const STILL: f64 = 0.05;
 
 /// Why a recording's object is nobody's.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -101,7 +100,7 @@ pub fn with_object_carried(recording: &Recording, most: usize) -> Result<Recordi
     let (role, hand) = carried.ok_or(CarryError::NotHeld)?;
     let usual = median(late.iter().map(|seen| distance((role, hand), seen)).collect());
     let usual = usual.ok_or(CarryError::Unknown)?;
-    if usual > REACH || !moves_along(&recording.person(role).motion, hand, late) {
+    if usual > REACH || stands(&recording.person(role).motion, hand, late) {
         return Err(CarryError::NotHeld);
     }
     let is_held = |seen: &Seen| (distance((role, hand), seen) - usual).abs() <= LOOSE;
@@ -123,15 +122,13 @@ pub fn with_object_carried(recording: &Recording, most: usize) -> Result<Recordi
     Ok(recording.with_attached(role, hand, first, &points)?)
 }
 
-/// Whether an object goes where a hand goes; where the hand stays nothing tells.
-fn moves_along(motion: &Sequence, hand: JointId, late: &[Seen]) -> bool {
-    let place = |seen: &Seen| motion.position(seen.frame, hand);
-    let from_first = |seen: &Seen| (place(seen) - place(&late[0])).norm();
-    let farthest = late.iter().max_by(|a, b| from_first(a).total_cmp(&from_first(b)));
-    let Some(farthest) = farthest.filter(|seen| from_first(seen) > LOOSE) else { return true };
-    let moved = farthest.middle - late[0].middle;
-    let along = place(farthest) - place(&late[0]);
-    moved.dot(&along) >= MOVES_ALONG * along.norm_squared()
+/// Whether an object stays where it is while a hand moves.
+fn stands(motion: &Sequence, hand: JointId, late: &[Seen]) -> bool {
+    let farthest = |place: &dyn Fn(&Seen) -> Point| {
+        late.iter().map(|seen| (place(seen) - place(&late[0])).norm()).fold(0.0, f64::max)
+    };
+    farthest(&|seen| seen.middle) < STILL
+        && farthest(&|seen| motion.position(seen.frame, hand)) > LOOSE
 }
 
 /// Where the object is before the hands meet.
