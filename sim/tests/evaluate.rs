@@ -96,8 +96,14 @@ fn no_method_sees_the_robots_truth() {
     let idle = demonstration(truth.recording().with_motion(Role::First, still).unwrap(), "giver");
     assert!((idle.contact().distance - truth.contact().distance).abs() > 0.1, "truth did change");
 
+    check_alike(&predictor, truth, &idle);
+}
+
+/// That no method tells an interaction from one in which the robot's role did something else.
+#[track_caller]
+fn check_alike(predictor: &Predictor, truth: &Demonstration, other: &Demonstration) {
     let bones = truth.robot().bone_lengths();
-    let [mut with, mut without] = [truth, &idle].map(|d| predictor.observe(d));
+    let [mut with, mut without] = [truth, other].map(|d| predictor.observe(d));
     // Medians of constant bones differ by rounding.
     (with.bone_lengths, without.bone_lengths) = (bones.clone(), bones);
     let [seen, unseen] = [&with, &without].map(|o| predictor.align(o).unwrap());
@@ -166,15 +172,7 @@ fn no_method_sees_where_the_object_goes() {
     let points = [("object".to_owned(), giver.position(0, cup))];
     let still = still.with_attached(hand, 0, &points).unwrap();
     let idle = demonstration(truth.recording().with_motion(Role::First, still).unwrap(), "giver");
-    let bones = truth.robot().bone_lengths();
-    let [mut with, mut without] = [truth, &idle].map(|d| predictor.observe(d));
-    (with.bone_lengths, without.bone_lengths) = (bones.clone(), bones);
-    let [seen, unseen] = [&with, &without].map(|o| predictor.align(o).unwrap());
-    for method in Method::ALL {
-        let a = predictor.predict(method, &with, &seen).unwrap();
-        let b = predictor.predict(method, &without, &unseen).unwrap();
-        assert_eq!(a, b, "{}", method.name());
-    }
+    check_alike(&predictor, truth, &idle);
 }
 
 /// What rides on a hand changes nothing that methods without a mesh say of the people, nor what any
